@@ -240,8 +240,8 @@ mod tests {
     use super::*;
 
     const KEYS: &str = "terrafill_results::conditions! {\n    shared VIEW;\n    SUN = \"sun\"; RULE = \"rule\";\n}\n\
-                        const METRICS: [Metric; 2] = [\n    Metric::less(\n        \"cost_ms\",\n        \"ms\",\n    ),\n    \
-                        Metric { name: \"draws\", unit: \"\" },\n];\n";
+                        terrafill_results::metrics! {\n    COST_MS = Metric::less(\n        \"cost_ms\",\n        \"ms\",\n    );\n}\n\
+                        const METRICS: [Metric; 1] = [Metric { name: \"draws\", unit: \"\" }];\n";
 
     fn judged(text: &str) -> Vec<String> {
         let files = [("keys".to_owned(), KEYS), ("a".to_owned(), text)];

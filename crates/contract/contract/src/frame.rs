@@ -210,10 +210,7 @@ mod tests {
     #[test]
     fn a_frame_says_where_the_surface_is_and_what_is_no_depth() {
         let picture = Picture {
-            size: ImageSize {
-                width: 4,
-                height: 1,
-            },
+            size: ImageSize::new(4, 1),
             rgba: [[0; 4], [5, 0, 0, 255], [9, 9, 9, 0], [1, 1, 0, 255]].concat(),
             depth: vec![0.0, 0.5, f32::NAN, f32::INFINITY],
         };

@@ -109,10 +109,7 @@ mod tests {
                 .collect()
         };
         let picture = |rgba: Vec<u8>| Picture {
-            size: ImageSize {
-                width: 8,
-                height: 1,
-            },
+            size: ImageSize::new(8, 1),
             depth: vec![1.0; rgba.len() / 4],
             rgba,
         };
@@ -127,10 +124,7 @@ mod tests {
     #[test]
     fn a_painted_frame_has_three_bytes_a_pixel() {
         let frame = Frame {
-            size: ImageSize {
-                width: 3,
-                height: 1,
-            },
+            size: ImageSize::new(3, 1),
             ids: vec![0, 0, 7],
             surface: vec![true, false, true],
             non_finite: 0,

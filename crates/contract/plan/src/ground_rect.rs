@@ -95,10 +95,7 @@ mod tests {
     use terrafill_core::Geodetic;
     use terrafill_scene::CameraPose;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 80,
-        height: 60,
-    };
+    const SIZE: ImageSize = ImageSize::new(80, 60);
 
     fn camera(body: &Ellipsoid, height_m: f64, heading_deg: f64, pitch_deg: f64) -> Camera {
         let pose = CameraPose {

@@ -379,10 +379,7 @@ mod tests {
     use terrafill_core::{EdgeRule, Geodetic, MeshOptions, RegionMesh, parse_regions};
     use terrafill_scene::CameraPose;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 200,
-        height: 100,
-    };
+    const SIZE: ImageSize = ImageSize::new(200, 100);
     const HEIGHTS: VolumeHeights = VolumeHeights {
         top_m: 1000.0,
         bottom_m: -1000.0,

@@ -15,10 +15,7 @@ fn is_flat(planned: &&PlannedRegion) -> bool {
     planned.drawn_as == DrawnAs::FlatMesh
 }
 
-const SIZE: ImageSize = ImageSize {
-    width: 1024,
-    height: 1024,
-};
+const SIZE: ImageSize = ImageSize::new(1024, 1024);
 const TERRAIN: HeightRange = HeightRange {
     lowest_m: -500.0,
     highest_m: 0.0,

@@ -171,10 +171,7 @@ mod tests {
         }
     }
 
-    const SIZE: ImageSize = ImageSize {
-        width: 200,
-        height: 100,
-    };
+    const SIZE: ImageSize = ImageSize::new(200, 100);
 
     #[test]
     fn straight_down_has_the_heading_up_and_the_foot_in_the_middle() {

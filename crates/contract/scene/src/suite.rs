@@ -186,10 +186,7 @@ set = ["colour=one-colour"]
             panic!("two views")
         };
         assert_eq!(a.expect, Expectation::Fills);
-        let size = ImageSize {
-            width: 7,
-            height: 3,
-        };
+        let size = ImageSize::new(7, 3);
         assert_eq!(a.size, Some(size));
         assert_eq!(b.expect, Expectation::Refused("allowed 255".to_owned()));
         assert_eq!(b.set, [("colour".to_owned(), "one-colour".to_owned())]);

@@ -14,10 +14,7 @@ use terrafill_scene::{
 };
 
 /// Samples along each side of a view.
-const SIZE: ImageSize = ImageSize {
-    width: 128,
-    height: 128,
-};
+const SIZE: ImageSize = ImageSize::new(128, 128);
 
 /// Scenes that need nothing, or those that need data.
 fn scenes(needs_data: bool) -> Vec<&'static str> {

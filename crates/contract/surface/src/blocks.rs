@@ -134,10 +134,7 @@ mod tests {
     use terrafill_core::{Ellipsoid, Geodetic};
     use terrafill_scene::CameraPose;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 300,
-        height: 200,
-    };
+    const SIZE: ImageSize = ImageSize::new(300, 200);
 
     /// Of these triangles, those that look to the eye and have a corner in the image.
     fn certainly_seen(mesh: &SurfaceMesh, camera: &Camera, among: Range<u32>) -> usize {

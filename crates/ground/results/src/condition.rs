@@ -51,11 +51,43 @@ macro_rules! conditions {
     };
 }
 
-/// Declares the constants by which metrics are read, each found in the study's declarations.
+/// Declares metrics by the constants with which they are written and read, and `METRICS`, all of them in this order.
 #[macro_export]
 macro_rules! metrics {
-    ($declared:ident; $($key:ident = $name:literal;)*) => {
-        $(pub(crate) const $key: &$crate::Metric = $crate::Metric::of(&$declared, $name);)*
+    ($($(#[$said:meta])* $key:ident = $metric:expr;)*) => {
+        $($(#[$said])* pub(crate) const $key: &$crate::Metric = &$metric;)*
+        /// Everything that the study measures.
+        pub(crate) const METRICS: [$crate::Metric; [$(stringify!($key)),*].len()] = [$(*$key),*];
+    };
+}
+
+/// Declares an enumeration that conditions and tables name, with the name of each variant; with `all`, a list of them too.
+#[macro_export]
+macro_rules! named {
+    ($(#[$said:meta])* all $vis:vis enum $kind:ident { $($(#[$of:meta])* $variant:ident = $name:expr,)* }) => {
+        $crate::named! { $(#[$said])* $vis enum $kind { $($(#[$of])* $variant = $name,)* } }
+
+        impl $kind {
+            /// Every one, in this order.
+            $vis const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
+        }
+    };
+    ($(#[$said:meta])* $vis:vis enum $kind:ident { $($(#[$of:meta])* $variant:ident = $name:expr,)* }) => {
+        $(#[$said])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        $vis enum $kind {
+            $($(#[$of])* $variant,)*
+        }
+
+        impl $kind {
+            /// As rows have it.
+            #[must_use]
+            $vis const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+        }
     };
 }
 

@@ -97,7 +97,7 @@ impl CubeTexture {
             let axis = face / 2;
             direction[axis] *= 2.0 - beyond;
         }
-        Self::angles(direction).map(rounded)
+        Self::angles(direction).map(nearest_f32)
     }
 
     /// Place on the face of the centre of texel `index`.
@@ -267,7 +267,7 @@ mod tests {
         }
         // The twin: the place simply continued beyond the edge is nobody's texel.
         let continued = CubeTexture::angles(direction(4, [cube.place(8), cube.place(3)]));
-        let continued = continued.map(rounded);
+        let continued = continued.map(nearest_f32);
         assert!(!texels.iter().any(|x| close(*x, continued)));
     }
 }

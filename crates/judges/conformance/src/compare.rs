@@ -239,10 +239,10 @@ pub(crate) mod tests {
             .collect();
         let width = rows.first().map_or(0, |row| row.len());
         Frame {
-            size: ImageSize {
-                width: u32::try_from(width).expect("small"),
-                height: u32::try_from(rows.len()).expect("small"),
-            },
+            size: ImageSize::new(
+                u32::try_from(width).expect("small"),
+                u32::try_from(rows.len()).expect("small"),
+            ),
             surface: vec![true; ids.len()],
             ids,
             non_finite: 0,

@@ -111,10 +111,7 @@ fn is_sky(pixel: [u8; 4]) -> bool {
 mod tests {
     use super::*;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 101,
-        height: 67,
-    };
+    const SIZE: ImageSize = ImageSize::new(101, 67);
 
     /// The picture of the ellipsoid itself.
     fn drawn(input: &FillInput) -> Picture {

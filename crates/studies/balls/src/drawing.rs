@@ -14,28 +14,19 @@ use terrafill_vulkan::{
 
 const POINTS: &str = "balls/points.wgsl";
 
-/// How balls are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DrawCalls {
-    /// Not at all.
-    Nothing,
-    /// All by one draw.
-    All,
-    /// By a draw each: the published text draws one point by a call.
-    Each,
+terrafill_results::named! {
+    /// How balls are drawn.
+    all pub(crate) enum DrawCalls {
+        /// Not at all.
+        Nothing = "none",
+        /// All by one draw.
+        All = "one-draw",
+        /// By a draw each: the published text draws one point by a call.
+        Each = "draw-each",
+    }
 }
 
 impl DrawCalls {
-    pub(crate) const ALL: [Self; 3] = [Self::Nothing, Self::All, Self::Each];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Nothing => "none",
-            Self::All => "one-draw",
-            Self::Each => "draw-each",
-        }
-    }
-
     /// Ranges of balls, a draw each.
     pub(crate) fn ranges(self, balls: u32) -> Vec<Range<u32>> {
         match self {

@@ -30,10 +30,7 @@ const PICTURED_BALLS: u32 = 4_000;
 pub(crate) fn size_of(request: &Request) -> ImageSize {
     let [width, height] = request.size_or([QUICK_SIDE_PX; 2]);
     let side = width.min(height);
-    ImageSize {
-        width: side,
-        height: side,
-    }
+    ImageSize::new(side, side)
 }
 
 /// Balls over terrain, drawn or not.
@@ -277,10 +274,7 @@ mod tests {
     use terrafill_results::Status;
     use terrafill_study::Group as _;
 
-    const SIZE: ImageSize = ImageSize {
-        width: QUICK_SIDE_PX,
-        height: QUICK_SIDE_PX,
-    };
+    const SIZE: ImageSize = ImageSize::new(QUICK_SIDE_PX, QUICK_SIDE_PX);
 
     #[test]
     fn balls_over_terrain_follow_f64_and_those_over_other_ground_do_not() {

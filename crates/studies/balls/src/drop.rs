@@ -16,25 +16,14 @@ const STEADY: f64 = 0.5;
 /// Height of the ground above the ellipsoid where heights are above the ellipsoid, metres.
 pub(crate) const GROUND_M: f64 = 1_000.0;
 
-/// Numbers of a ball's state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Arithmetic {
-    F64,
-    F32,
-    /// `f32` with what sums round off kept in a second one.
-    CompensatedF32,
-}
-
-impl Arithmetic {
-    pub(crate) const ALL: [Self; 3] = [Self::F64, Self::F32, Self::CompensatedF32];
-
-    /// Name in tables.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::F64 => "f64",
-            Self::F32 => "f32",
-            Self::CompensatedF32 => "compensated-f32",
-        }
+terrafill_results::named! {
+    /// Numbers of a ball's state.
+    #[derive(PartialOrd, Ord)]
+    all pub(crate) enum Arithmetic {
+        F64 = "f64",
+        F32 = "f32",
+        /// `f32` with what sums round off kept in a second one.
+        CompensatedF32 = "compensated-f32",
     }
 }
 

@@ -7,25 +7,27 @@ use crate::arithmetic::{Real, Sum};
 /// the step, which no split makes right.
 const MAX_SPLITS: u32 = 8;
 
-/// A way to take a ball one step further.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Integrator {
-    ExplicitEuler,
-    SymplecticEuler,
-    VelocityVerlet,
-    /// Velocity Verlet, the step cut where the ball crosses the surface.
-    SplitVerlet,
-    Rk4,
-    ImplicitEuler,
-    ImplicitMidpoint,
-    /// Explicit Euler; the velocity is turned round whenever the ball is below the surface.
-    ReflectExplicit,
-    /// Symplectic Euler, else the same.
-    ReflectSymplectic,
-    /// The same, if the ball moves downwards only, and put onto the surface.
-    ReflectGuarded,
-    /// The step cut at the time at which the parabola meets the surface.
-    ExactEvent,
+terrafill_results::named! {
+    /// A way to take a ball one step further.
+    #[derive(Hash, PartialOrd, Ord)]
+    pub(crate) enum Integrator {
+        ExplicitEuler = "explicit-euler",
+        SymplecticEuler = "symplectic-euler",
+        VelocityVerlet = "velocity-verlet",
+        /// Velocity Verlet, the step cut where the ball crosses the surface.
+        SplitVerlet = "split-verlet",
+        Rk4 = "rk4",
+        ImplicitEuler = "implicit-euler",
+        ImplicitMidpoint = "implicit-midpoint",
+        /// Explicit Euler; the velocity is turned round whenever the ball is below the surface.
+        ReflectExplicit = "reflect-explicit",
+        /// Symplectic Euler, else the same.
+        ReflectSymplectic = "reflect-symplectic",
+        /// The same, if the ball moves downwards only, and put onto the surface.
+        ReflectGuarded = "reflect-guarded",
+        /// The step cut at the time at which the parabola meets the surface.
+        ExactEvent = "exact-event",
+    }
 }
 
 impl Integrator {
@@ -46,23 +48,6 @@ impl Integrator {
         Self::ReflectGuarded,
         Self::ExactEvent,
     ];
-
-    /// Name in tables.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::ExplicitEuler => "explicit-euler",
-            Self::SymplecticEuler => "symplectic-euler",
-            Self::VelocityVerlet => "velocity-verlet",
-            Self::SplitVerlet => "split-verlet",
-            Self::Rk4 => "rk4",
-            Self::ImplicitEuler => "implicit-euler",
-            Self::ImplicitMidpoint => "implicit-midpoint",
-            Self::ReflectExplicit => "reflect-explicit",
-            Self::ReflectSymplectic => "reflect-symplectic",
-            Self::ReflectGuarded => "reflect-guarded",
-            Self::ExactEvent => "exact-event",
-        }
-    }
 
     /// Power of the step by which the error falls once contact is resolved; the kink of the force at the
     /// surface caps RK4 at 2. `None`: exact but for rounding.

@@ -17,138 +17,124 @@ terrafill_results::conditions! {
     WAY = "way";
 }
 
-pub(crate) const BALL_CPU_US: &Metric =
-    &time_us("ball_cpu_us", "Process CPU time of one second of one ball.")
+terrafill_results::metrics! {
+    BALL_CPU_US = time_us("ball_cpu_us", "Process CPU time of one second of one ball.")
         .covering(Scope::PLAN)
         .ranking(Primary::Any);
-pub(crate) const BALL_RMS_M: &Metric = &metres(
-    "ball_rms_m",
-    "Root mean square error of height after 5 s against the closed form, over balls not blown up.",
-);
-pub(crate) const BALL_BLOWN_SHARE: &Metric = &Metric::error(
-    "ball_blown_share",
-    "",
-    "Share of the balls above 1 km, below −1 km or with more than ten times their first energy.",
-);
-pub(crate) const BALL_ENERGY_CHANGE: &Metric = &Metric::neither(
-    "ball_energy_change",
-    "",
-    Kind::Error,
-    "Mean of energy at the end over energy at the start, less 1, over balls not blown up.",
-);
-pub(crate) const BALL_DEEPEST_M: &Metric = &Metric::neither(
-    "ball_deepest_m",
-    "m",
-    Kind::Error,
-    "Largest depth below the surface, over balls not blown up.",
-);
-pub(crate) const BALL_STEP_CPU_US: &Metric = &time_us(
-    "ball_step_cpu_us",
-    "Process CPU time of one step of all balls on a device, nothing drawn.",
-)
-.covering(Scope::DISPATCH);
-pub(crate) const BALL_STEP_GPU_US: &Metric = &time_us(
-    "ball_step_gpu_us",
-    "GPU time of one step of all balls on a device, nothing drawn.",
-)
-.covering(Scope::DISPATCH);
-pub(crate) const BALL_STEP_WALL_US: &Metric = &time_us(
-    "ball_step_wall_us",
-    "Wall time of one step of all balls on a device, nothing drawn.",
-)
-.covering(Scope::DISPATCH);
-pub(crate) const BALL_DEVICE_MAX_M: &Metric = &metres(
-    "ball_device_max_m",
-    "Largest difference of a ball's height on a device from the same integrator in f64.",
-);
-pub(crate) const BALL_DEVICE_RMS_M: &Metric = &metres(
-    "ball_device_rms_m",
-    "Root mean square difference of heights on a device from the same integrator in f64.",
-);
-pub(crate) const BALL_DEVICE_JUDGED: &Metric =
-    &Metric::quantity("ball_device_judged", "Balls compared with f64.");
-pub(crate) const BALL_UPLOAD_BYTES: &Metric = &Metric::less(
-    "ball_upload_bytes",
-    "B",
-    Kind::Bytes,
-    "Bytes that the CPU wrote for the device during all steps.",
-);
-pub(crate) const BALL_TERRAIN_MAX_M: &Metric = &metres(
-    "ball_terrain_max_m",
-    "Largest distance of a ball over terrain from the same integrator in f64, after 240 steps.",
-);
-pub(crate) const BALL_TERRAIN_P95_M: &Metric = &metres(
-    "ball_terrain_p95_m",
-    "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
-);
-pub(crate) const BALL_TERRAIN_BEYOND: &Metric = &Metric::error(
-    "ball_terrain_beyond",
-    "",
-    "Balls over terrain that end more than 1 mm from the same integrator in f64.",
-);
-pub(crate) const BALL_TERRAIN_UNEXPLAINED: &Metric = &Metric::error(
-    "ball_terrain_unexplained",
-    "",
-    "Those of them that never touched the ground in another cell than f64 had them in.",
-);
-pub(crate) const BALL_TERRAIN_GUIDED_M: &Metric = &metres(
-    "ball_terrain_guided_m",
-    "Largest distance from f64 that takes the device's cell within 0.5 mm of a border, after 240 steps.",
-);
-pub(crate) const BALL_TERRAIN_STEP_M: &Metric = &metres(
-    "ball_terrain_step_m",
-    "Largest difference of a ball's place after one step from that of f64 from the same state, along an axis.",
-);
-pub(crate) const BALL_TERRAIN_STEP_SPEED: &Metric = &Metric::error(
-    "ball_terrain_step_speed",
-    "m/s",
-    "The same of its velocity.",
-);
-pub(crate) const BALL_TERRAIN_FOLLOWED: &Metric = &Metric::quantity(
-    "ball_terrain_followed",
-    "Balls that were followed step by step.",
-);
-pub(crate) const BALL_TERRAIN_RMS_M: &Metric =
-    &metres("ball_terrain_rms_m", "Root mean square of that distance.");
-pub(crate) const BALL_MISMATCHED_PX: &Metric = &Metric::error_px(
-    "ball_mismatched_px",
-    "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
-);
-pub(crate) const BALL_DIFFERING_PX: &Metric = &Metric::error_px(
-    "ball_differing_px",
-    "Pixels that differ from those of one draw for all balls, stepped in the same way.",
-);
-pub(crate) const BALL_DRAWS: &Metric = &Metric::counter("ball_draws", "Draw calls of a frame.");
-pub(crate) const BALL_FRAME_CPU_US: &Metric = &time_us(
-    "ball_frame_cpu_us",
-    "Process CPU time of a frame: a step over terrain and the draws, each waited for.",
-)
-.covering(Scope::DISPATCH.and(Scope::DRAW));
-pub(crate) const BALL_FRAME_WALL_US: &Metric =
-    &time_us("ball_frame_wall_us", "Wall clock over the same span.")
+    BALL_RMS_M = metres(
+        "ball_rms_m",
+        "Root mean square error of height after 5 s against the closed form, over balls not blown up.",
+    );
+    BALL_BLOWN_SHARE = Metric::error(
+        "ball_blown_share",
+        "",
+        "Share of the balls above 1 km, below −1 km or with more than ten times their first energy.",
+    );
+    BALL_ENERGY_CHANGE = Metric::neither(
+        "ball_energy_change",
+        "",
+        Kind::Error,
+        "Mean of energy at the end over energy at the start, less 1, over balls not blown up.",
+    );
+    BALL_DEEPEST_M = Metric::neither(
+        "ball_deepest_m",
+        "m",
+        Kind::Error,
+        "Largest depth below the surface, over balls not blown up.",
+    );
+    BALL_STEP_CPU_US = time_us(
+        "ball_step_cpu_us",
+        "Process CPU time of one step of all balls on a device, nothing drawn.",
+    )
+    .covering(Scope::DISPATCH);
+    BALL_STEP_GPU_US = time_us(
+        "ball_step_gpu_us",
+        "GPU time of one step of all balls on a device, nothing drawn.",
+    )
+    .covering(Scope::DISPATCH);
+    BALL_STEP_WALL_US = time_us(
+        "ball_step_wall_us",
+        "Wall time of one step of all balls on a device, nothing drawn.",
+    )
+    .covering(Scope::DISPATCH);
+    BALL_DEVICE_MAX_M = metres(
+        "ball_device_max_m",
+        "Largest difference of a ball's height on a device from the same integrator in f64.",
+    );
+    BALL_DEVICE_RMS_M = metres(
+        "ball_device_rms_m",
+        "Root mean square difference of heights on a device from the same integrator in f64.",
+    );
+    BALL_DEVICE_JUDGED = Metric::quantity("ball_device_judged", "Balls compared with f64.");
+    BALL_UPLOAD_BYTES = Metric::less(
+        "ball_upload_bytes",
+        "B",
+        Kind::Bytes,
+        "Bytes that the CPU wrote for the device during all steps.",
+    );
+    BALL_TERRAIN_MAX_M = metres(
+        "ball_terrain_max_m",
+        "Largest distance of a ball over terrain from the same integrator in f64, after 240 steps.",
+    );
+    BALL_TERRAIN_P95_M = metres(
+        "ball_terrain_p95_m",
+        "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
+    );
+    BALL_TERRAIN_BEYOND = Metric::error(
+        "ball_terrain_beyond",
+        "",
+        "Balls over terrain that end more than 1 mm from the same integrator in f64.",
+    );
+    BALL_TERRAIN_UNEXPLAINED = Metric::error(
+        "ball_terrain_unexplained",
+        "",
+        "Those of them that never touched the ground in another cell than f64 had them in.",
+    );
+    BALL_TERRAIN_GUIDED_M = metres(
+        "ball_terrain_guided_m",
+        "Largest distance from f64 that takes the device's cell within 0.5 mm of a border, after 240 steps.",
+    );
+    BALL_TERRAIN_STEP_M = metres(
+        "ball_terrain_step_m",
+        "Largest difference of a ball's place after one step from that of f64 from the same state, along an axis.",
+    );
+    BALL_TERRAIN_STEP_SPEED = Metric::error(
+        "ball_terrain_step_speed",
+        "m/s",
+        "The same of its velocity.",
+    );
+    BALL_TERRAIN_FOLLOWED = Metric::quantity(
+        "ball_terrain_followed",
+        "Balls that were followed step by step.",
+    );
+    BALL_TERRAIN_RMS_M = metres("ball_terrain_rms_m", "Root mean square of that distance.");
+    BALL_MISMATCHED_PX = Metric::error_px(
+        "ball_mismatched_px",
+        "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
+    );
+    BALL_DIFFERING_PX = Metric::error_px(
+        "ball_differing_px",
+        "Pixels that differ from those of one draw for all balls, stepped in the same way.",
+    );
+    BALL_DRAWS = Metric::counter("ball_draws", "Draw calls of a frame.");
+    BALL_FRAME_CPU_US = time_us(
+        "ball_frame_cpu_us",
+        "Process CPU time of a frame: a step over terrain and the draws, each waited for.",
+    )
+    .covering(Scope::DISPATCH.and(Scope::DRAW));
+    BALL_FRAME_WALL_US = time_us("ball_frame_wall_us", "Wall clock over the same span.")
         .covering(Scope::DISPATCH.and(Scope::DRAW));
-pub(crate) const BALL_DRAW_CPU_US: &Metric = &time_us(
-    "ball_draw_cpu_us",
-    "Process CPU time of the draws of a frame alone.",
-)
-.covering(Scope::DRAW);
-pub(crate) const BALL_DRAW_GPU_US: &Metric = &time_us(
-    "ball_draw_gpu_us",
-    "GPU time of the draws of a frame, where the device keeps it.",
-)
-.covering(Scope::DRAW);
-
-/// Everything that the study measures.
-#[rustfmt::skip]
-pub(crate) const METRICS: [Metric; 28] = [
-    *BALL_CPU_US, *BALL_RMS_M, *BALL_BLOWN_SHARE, *BALL_ENERGY_CHANGE, *BALL_DEEPEST_M,
-    *BALL_STEP_CPU_US, *BALL_STEP_GPU_US, *BALL_STEP_WALL_US, *BALL_DEVICE_MAX_M,
-    *BALL_DEVICE_RMS_M, *BALL_DEVICE_JUDGED, *BALL_UPLOAD_BYTES, *BALL_TERRAIN_MAX_M,
-    *BALL_TERRAIN_P95_M, *BALL_TERRAIN_BEYOND, *BALL_TERRAIN_UNEXPLAINED, *BALL_TERRAIN_GUIDED_M,
-    *BALL_TERRAIN_STEP_M, *BALL_TERRAIN_STEP_SPEED, *BALL_TERRAIN_FOLLOWED, *BALL_TERRAIN_RMS_M,
-    *BALL_MISMATCHED_PX, *BALL_DIFFERING_PX, *BALL_DRAWS, *BALL_FRAME_CPU_US, *BALL_FRAME_WALL_US,
-    *BALL_DRAW_CPU_US, *BALL_DRAW_GPU_US,
-];
+    BALL_DRAW_CPU_US = time_us(
+        "ball_draw_cpu_us",
+        "Process CPU time of the draws of a frame alone.",
+    )
+    .covering(Scope::DRAW);
+    BALL_DRAW_GPU_US = time_us(
+        "ball_draw_gpu_us",
+        "GPU time of the draws of a frame, where the device keeps it.",
+    )
+    .covering(Scope::DRAW);
+}
 
 const fn time_us(name: &'static str, meaning: &'static str) -> Metric {
     Metric::less(name, "µs", Kind::Time, meaning)

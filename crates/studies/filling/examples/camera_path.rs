@@ -30,10 +30,7 @@ use terrafill_tiles::TilesKind;
 use terrafill_variant::Variant;
 use terrafill_vertex::VertexTechnique;
 
-const SIZE: ImageSize = ImageSize {
-    width: 1024,
-    height: 1024,
-};
+const SIZE: ImageSize = ImageSize::new(1024, 1024);
 const FRAMES: u32 = 300;
 const ROUNDS: u32 = 3;
 /// Frames before and after one that show nearly the same.

@@ -18,10 +18,7 @@ use terrafill_scene::{ImageSize, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};
 
-const SIZE: ImageSize = ImageSize {
-    width: 1024,
-    height: 1024,
-};
+const SIZE: ImageSize = ImageSize::new(1024, 1024);
 
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1).peekable();

@@ -41,10 +41,7 @@ const KNOWN: [DriverFault; 1] = [DriverFault {
     mesa: [[25, 0, 0], [25, 0, 7]],
     scene: "countries-50m",
     view: "fill",
-    size: ImageSize {
-        width: 1024,
-        height: 1024,
-    },
+    size: ImageSize::new(1024, 1024),
     is_hit: draws_each_face_alone,
     pixels: &[[503, 451]],
     reason: "a sliver less than 1/128 px wide is culled as front face and as back face",

@@ -23,10 +23,7 @@ pub(crate) struct CutOut {
 
 /// Part of an RGB picture round `centre`, at most `side` pixels a side; at a rim it stays inside.
 pub(crate) fn cut_out(size: ImageSize, centre: [usize; 2], side: u32, rgb: &[u8]) -> CutOut {
-    let smaller = ImageSize {
-        width: size.width.min(side),
-        height: size.height.min(side),
-    };
+    let smaller = ImageSize::new(size.width.min(side), size.height.min(side));
     let start = |centre: usize, whole: u32, part: u32| {
         let furthest = (whole - part) as usize;
         centre.saturating_sub(part as usize / 2).min(furthest)
@@ -83,10 +80,7 @@ pub(crate) fn zoomed(size: ImageSize, at: [usize; 2], pictures: &[&[u8]]) -> (Im
         }
     }
     let whole = |pixels: usize| u32::try_from(pixels).unwrap_or(u32::MAX);
-    let size = ImageSize {
-        width: whole(width),
-        height: whole(rows * ZOOM),
-    };
+    let size = ImageSize::new(whole(width), whole(rows * ZOOM));
     (size, rgb)
 }
 
@@ -97,10 +91,7 @@ mod tests {
     #[test]
     fn a_cut_out_lies_round_its_centre() {
         const SIDE: u32 = 480;
-        let size = ImageSize {
-            width: SIDE + 2,
-            height: 3,
-        };
+        let size = ImageSize::new(SIDE + 2, 3);
         let mut rgb = vec![0; 3 * size.pixel_count()];
         rgb[..3].fill(1);
         rgb[3..6].fill(2);
@@ -113,20 +104,14 @@ mod tests {
         let cut = cut_out(size, [0, 2], SIDE, &rgb);
         assert_eq!((cut.size.width, &cut.rgb[..3]), (SIDE, &[1_u8; 3][..]));
         // One that is small enough stays whole.
-        let small = ImageSize {
-            width: 2,
-            height: 1,
-        };
+        let small = ImageSize::new(2, 1);
         let cut = cut_out(small, [1, 0], SIDE, &[7; 6]);
         assert_eq!((cut.size, cut.rgb), (small, vec![7; 6]));
     }
 
     #[test]
     fn a_pixel_is_enlarged_and_framed_where_it_is() {
-        let size = ImageSize {
-            width: 30,
-            height: 26,
-        };
+        let size = ImageSize::new(30, 26);
         let mut rgb = vec![0; 3 * size.pixel_count()];
         let at = [29, 1];
         rgb[3 * (30 + 29)..][..3].copy_from_slice(&[255, 30, 40]);

@@ -120,10 +120,7 @@ mod tests {
     use terrafill_stencil::{two_float, two_float_difference_m};
     use terrafill_surface::EllipsoidKind;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 1024,
-        height: 1024,
-    };
+    const SIZE: ImageSize = ImageSize::new(1024, 1024);
 
     fn inputs(name: &str) -> Vec<FillInput> {
         let scene = terrafill_scene::Scene::open(name, None).expect("ships with the project");

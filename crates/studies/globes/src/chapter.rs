@@ -3,7 +3,7 @@
 //! further parts of the study found.
 
 use crate::clock::{DRAW, FRAME, whole};
-use crate::keys::*;
+use crate::metrics::*;
 use crate::{counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;

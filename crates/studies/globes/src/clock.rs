@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The watch of a frame's steps, and which times are compared, by the clock that a device is read by.
 
-use crate::keys::{GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS};
+use crate::metrics::{
+    GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS,
+};
 use terrafill_contract::CpuStopwatch;
 use terrafill_lab::{Column, Comparison};
 use terrafill_results::{Clock, ConditionKey, Metric, Scope};

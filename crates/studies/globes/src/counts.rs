@@ -11,9 +11,8 @@ mod section;
 pub(crate) use section::{SECTION, why_not_settled};
 
 use crate::STUDY;
-use crate::keys;
-use crate::keys::{API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use crate::list::{Eye, List};
+use crate::metrics::{self, API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
 use course::Course;
 use device::{Counters, NODE_TEXELS, PixelCount, SIDE_PX};
 use quadtree::{Node, Quadtree, Thresholds};
@@ -128,7 +127,7 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
     };
     let [api, way] = work.way.names();
     let conditions = [
-        (keys::PART, PART.to_owned()),
+        (metrics::PART, PART.to_owned()),
         (PATH, path.to_owned()),
         (API, api.to_owned()),
         (COUNTED_BY, way.to_owned()),

@@ -15,7 +15,6 @@ mod counts;
 mod error;
 mod expected;
 mod image;
-mod keys;
 mod list;
 mod made;
 mod metrics;

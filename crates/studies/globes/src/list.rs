@@ -178,10 +178,7 @@ impl ViewRow {
             body,
             pose,
             camera: Camera::new(&body, &pose),
-            size: ImageSize {
-                width: side_px,
-                height: side_px,
-            },
+            size: ImageSize::new(side_px, side_px),
         }
     }
 }

@@ -12,9 +12,8 @@ pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
-use crate::keys;
-use crate::keys::{HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::list::{Eye, List};
+use crate::metrics::{self, HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::opened::Opened;
 use crate::shading::KIND;
 use device::{MadeScene, MadeTargets};
@@ -164,7 +163,7 @@ impl MadeGlobes {
             });
             let (field, lookup) = terrain.unwrap_or(("none", ""));
             let conditions = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (VIEW, work.view.to_owned()),
                 (VERTICES, work.source.name().to_owned()),
                 (TRIG, trig.to_owned()),

@@ -9,38 +9,21 @@ use crate::list::Eye;
 use glam::{DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// A projection.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Projection {
-    Globe,
-    Flat,
-    HyperbolicPolar,
-    HyperbolicCartesian,
-    Dome,
+terrafill_results::named! {
+    /// A projection.
+    all pub(crate) enum Projection {
+        Globe = "globe",
+        Flat = "flat",
+        HyperbolicPolar = "hyperbolic-polar",
+        HyperbolicCartesian = "hyperbolic-cartesian",
+        Dome = "dome",
+    }
 }
 
 /// How far from the focus half of the rim is reached, radii.
 pub(crate) const K: f64 = 0.5;
 
 impl Projection {
-    pub(crate) const ALL: [Self; 5] = [
-        Self::Globe,
-        Self::Flat,
-        Self::HyperbolicPolar,
-        Self::HyperbolicCartesian,
-        Self::Dome,
-    ];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Globe => "globe",
-            Self::Flat => "flat",
-            Self::HyperbolicPolar => "hyperbolic-polar",
-            Self::HyperbolicCartesian => "hyperbolic-cartesian",
-            Self::Dome => "dome",
-        }
-    }
-
     /// Clip position of a place, reversed depth.
     ///
     /// - `relative_m`: from the eye, ECEF axes

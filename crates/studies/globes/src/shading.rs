@@ -15,9 +15,8 @@ pub(crate) use section::TABLE_3;
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::image::write_png;
-use crate::keys;
-use crate::keys::{CELLS, FAULT, PICTURES, PROJECTION, SIZE_PX, VIEW, WHAT};
 use crate::list::{Eye, List};
+use crate::metrics::{self, CELLS, FAULT, PICTURES, PROJECTION, SIZE_PX, VIEW, WHAT};
 use crate::opened::Opened;
 use crate::projection::Projection;
 use device::{LayerScene, LayerTargets, LayerVertex, Pictures, Shading};
@@ -136,7 +135,7 @@ fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
 
 /// - `what`: its condition of that name
 fn is_of(case: &Case, what: &str) -> bool {
-    case.condition(keys::PART) == PART && case.condition(WHAT) == what
+    case.condition(metrics::PART) == PART && case.condition(WHAT) == what
 }
 
 fn fault_name(fault: u32) -> &'static str {
@@ -162,11 +161,11 @@ impl Shadings {
             };
             let fault = fault_name(work.shading.fault);
             let conditions = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (WHAT, work.what.to_owned()),
                 (VIEW, work.view.to_owned()),
                 (CELLS, work.n.to_string()),
-                (keys::REMOVED, work.shading.removed.to_string()),
+                (metrics::REMOVED, work.shading.removed.to_string()),
                 (PICTURES, pictures.to_owned()),
                 (FAULT, fault.to_owned()),
                 (PROJECTION, work.projection.name().to_owned()),

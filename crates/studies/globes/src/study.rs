@@ -39,7 +39,7 @@ impl Study for GlobesStudy {
         name: STUDY,
         question: "Which surface draws the body with which error in which time?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: GlobesChapter,
     );

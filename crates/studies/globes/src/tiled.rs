@@ -17,9 +17,8 @@ pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
-use crate::keys;
-use crate::keys::{SIZE_PX, VIEW};
 use crate::list::{Eye, ViewRow};
+use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::opened::Opened;
 use crate::sight::{OTHER_TRIANGLES, fingerprint};
 use device::{MapScene, MapTargets};
@@ -60,7 +59,7 @@ impl Tiled {
                 .map(|(name, value)| format!("{name}={value}"));
             let text = format!("{PART}/{}/{}", view.name, set.join("/"));
             let shared = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (VIEW, view.name.clone()),
                 (SIZE_PX, side_px.to_string()),
             ];

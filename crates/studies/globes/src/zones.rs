@@ -13,9 +13,8 @@ use crate::STUDY;
 use crate::counts::course::Course;
 use crate::counts::device::{Counters, PixelCount, SIDE_PX};
 use crate::counts::scene::NodeVertices;
-use crate::keys;
-use crate::keys::{API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use crate::list::{Eye, ViewRow};
+use crate::metrics::{self, API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use rule::ZoneRule;
 use std::collections::BTreeMap;
@@ -80,13 +79,13 @@ impl Zones {
         let cases = work.iter().map(|work| {
             let [api, way] = work.way.names();
             let conditions = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (API, api.to_owned()),
                 (COUNTED_BY, way.to_owned()),
                 (SPIKE_M, work.spike_m.to_string()),
-                (keys::WANTED, work.wanted.to_string()),
+                (metrics::WANTED, work.wanted.to_string()),
                 (HYSTERESIS, work.hysteresis.to_string()),
-                (keys::DELAY, DELAY.to_string()),
+                (metrics::DELAY, DELAY.to_string()),
                 (SIZE_PX, SIDE_PX.to_string()),
             ];
             let name = format!(

@@ -9,17 +9,16 @@ terrafill_results::conditions! {
     SHAPE = "shape";
 }
 
-/// A mesh is made on the CPU, whatever the device.
-pub(crate) const TIME: &Metric = &Metric::time_ms(
-    "mesh_cpu_ms",
-    "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
-)
-.covering(Scope::PLAN)
-.ranking(Primary::Any);
-pub(crate) const VERTICES: &Metric = &Metric::quantity(
-    "vertices_of_outline",
-    "Vertices of the shape's outline: about as many as the case is named after.",
-);
-
-/// Everything that the study measures.
-pub(crate) const METRICS: [Metric; 2] = [*TIME, *VERTICES];
+terrafill_results::metrics! {
+    /// A mesh is made on the CPU, whatever the device.
+    TIME = Metric::time_ms(
+        "mesh_cpu_ms",
+        "Process CPU time from the outline as GeoJSON text to its mesh, in a process of its own.",
+    )
+    .covering(Scope::PLAN)
+    .ranking(Primary::Any);
+    VERTICES = Metric::quantity(
+        "vertices_of_outline",
+        "Vertices of the shape's outline: about as many as the case is named after.",
+    );
+}

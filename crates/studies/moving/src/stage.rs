@@ -14,30 +14,17 @@ use terrafill_surface::{SurfaceKind, open_surface};
 /// rounded to f32 and no longer than the way from the eye to the far side of the body.
 const SUBTRACTION_F32: f64 = 3.0 * 1.733 / (1 << 24) as f64;
 
-/// How a scene is brought up to date.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Upkeep {
-    /// Strips with the same vertices and triangles, rewritten where they lie.
-    Rewrite,
-    /// Discs that never change: the vertex stage bends them by a few numbers a cone.
-    Bend,
-    /// The same strips, and everything is uploaded again.
-    Reload,
-    /// The general mesher, whose numbers of vertices change with the shape.
-    Remesh,
-}
-
-impl Upkeep {
-    pub(crate) const ALL: [Self; 4] = [Self::Rewrite, Self::Bend, Self::Reload, Self::Remesh];
-
-    /// As a condition of a case.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Rewrite => "rewrite",
-            Self::Bend => "bend",
-            Self::Reload => "reload",
-            Self::Remesh => "remesh",
-        }
+terrafill_results::named! {
+    /// How a scene is brought up to date.
+    all pub(crate) enum Upkeep {
+        /// Strips with the same vertices and triangles, rewritten where they lie.
+        Rewrite = "rewrite",
+        /// Discs that never change: the vertex stage bends them by a few numbers a cone.
+        Bend = "bend",
+        /// The same strips, and everything is uploaded again.
+        Reload = "reload",
+        /// The general mesher, whose numbers of vertices change with the shape.
+        Remesh = "remesh",
     }
 }
 

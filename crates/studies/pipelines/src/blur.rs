@@ -17,25 +17,17 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// Pixels that the trail may touch.
 pub(crate) const PIXELS: u32 = 54;
 
-/// What a layer shows of a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Filter {
-    /// Its middle, covered or not.
-    Point,
-    /// The share that is covered.
-    Box,
+terrafill_results::named! {
+    /// What a layer shows of a pixel.
+    all pub(crate) enum Filter {
+        /// Its middle, covered or not.
+        Point = "point",
+        /// The share that is covered.
+        Box = "box",
+    }
 }
 
 impl Filter {
-    pub(crate) const ALL: [Self; 2] = [Self::Point, Self::Box];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Box => "box",
-        }
-    }
-
     /// Of a pixel, the bar beginning at `start`.
     pub(crate) fn layer(self, pixel: u32, start: f64) -> f64 {
         let left = f64::from(pixel);
@@ -151,28 +143,19 @@ pub(crate) fn error_of(pairs: impl Iterator<Item = (f64, f64)>) -> BlurError {
     }
 }
 
-/// How layers become a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Resolve {
-    /// As published: weights N − i for i from 1, 1 for the current pose, divided by the summed alpha.
-    Published,
-    /// These weights over a background that is opaque.
-    OverBackground,
-    /// The same with weight N for the current pose.
-    CurrentFirst,
+terrafill_results::named! {
+    /// How layers become a picture.
+    all pub(crate) enum Resolve {
+        /// As published: weights N − i for i from 1, 1 for the current pose, divided by the summed alpha.
+        Published = "published",
+        /// These weights over a background that is opaque.
+        OverBackground = "over an opaque background",
+        /// The same with weight N for the current pose.
+        CurrentFirst = "current pose first",
+    }
 }
 
 impl Resolve {
-    pub(crate) const ALL: [Self; 3] = [Self::Published, Self::OverBackground, Self::CurrentFirst];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::OverBackground => "over an opaque background",
-            Self::CurrentFirst => "current pose first",
-        }
-    }
-
     /// Of a layer, the current pose first.
     pub(crate) fn weight(self, layer: u32, layers: u32) -> f64 {
         match (layer, self) {

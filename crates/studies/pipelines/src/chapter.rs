@@ -11,7 +11,7 @@ mod lights;
 mod published;
 
 use crate::cache::Keep;
-use crate::keys::*;
+use crate::metrics::*;
 use kit::none_of;
 use terrafill_lab::{Cases, SectionedChapter};
 use terrafill_results::{Answers, Block, Case, Finding};

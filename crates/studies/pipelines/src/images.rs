@@ -2,7 +2,7 @@
 //! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
 
 use crate::STUDY;
-use crate::keys::SIZE_PX;
+use crate::metrics::SIZE_PX;
 use std::path::Path;
 use terrafill_results::ConditionKey;
 use terrafill_scene::ImageSize;
@@ -12,10 +12,7 @@ use terrafill_study::{Request, StudyError, file_stem, size_name, write_rgb};
 pub(crate) const PICTURE: ImageSize = square(256);
 
 pub(crate) const fn square(side: u32) -> ImageSize {
-    ImageSize {
-        width: side,
-        height: side,
-    }
+    ImageSize::new(side, side)
 }
 
 /// Size of the request's pictures: square, of its smaller side.

@@ -17,7 +17,6 @@ mod culling;
 mod draws;
 mod grid;
 mod images;
-mod keys;
 mod layered;
 mod lights;
 mod metrics;

@@ -5,8 +5,7 @@ use crate::chapter::CHAPTER;
 use crate::draws::{Draws, differing};
 use crate::grid::{Grid, GridCamera};
 use crate::images::{of_numbers, size_of, size_px, write};
-use crate::keys::{self, API, EXPERIMENT, SOURCE, STRIP, WAY};
-use crate::metrics::METRICS;
+use crate::metrics::{self, API, EXPERIMENT, METRICS, SOURCE, STRIP, WAY};
 use crate::on_vulkan::OnVulkan;
 use crate::on_wgpu::OnWgpu;
 use crate::rays::{Judged, Rays};
@@ -43,7 +42,7 @@ impl Study for PipelinesStudy {
         name: STUDY,
         question: "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: CHAPTER,
     );
@@ -136,11 +135,11 @@ fn conditions(
             Source::Sent => "sent",
             Source::Stored => "stored",
         };
-        conditions.push((keys::CELLS_PER_POINT, (cells * cells).to_string()));
+        conditions.push((metrics::CELLS_PER_POINT, (cells * cells).to_string()));
         conditions.push((STRIP, strips.to_owned()));
         conditions.push((SOURCE, source.to_owned()));
     }
-    conditions.push((keys::GRID_CELLS, cells.to_string()));
+    conditions.push((metrics::GRID_CELLS, cells.to_string()));
     conditions
 }
 

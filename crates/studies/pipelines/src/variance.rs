@@ -4,28 +4,19 @@
 use crate::grid::nearest;
 use terrafill_results::SplitMix64;
 
-/// How moments are summed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Moments {
-    /// Of depths, as published.
-    Published,
-    /// Of depths about the middle of their range.
-    AboutHalf,
-    /// Of depths from the receiver's.
-    FromReceiver,
+terrafill_results::named! {
+    /// How moments are summed.
+    all pub(crate) enum Moments {
+        /// Of depths, as published.
+        Published = "published",
+        /// Of depths about the middle of their range.
+        AboutHalf = "about one half",
+        /// Of depths from the receiver's.
+        FromReceiver = "receiver subtracted",
+    }
 }
 
 impl Moments {
-    pub(crate) const ALL: [Self; 3] = [Self::Published, Self::AboutHalf, Self::FromReceiver];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::AboutHalf => "about one half",
-            Self::FromReceiver => "receiver subtracted",
-        }
-    }
-
     /// What is subtracted from depths.
     pub(crate) fn offset(self, receiver: f32) -> f32 {
         match self {

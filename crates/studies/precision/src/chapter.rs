@@ -9,7 +9,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use crate::keys::{CPU_NS, GPU_NS, POINTS, ROUTE};
+use crate::metrics::{CPU_NS, GPU_NS, POINTS, ROUTE};
 use data::{Data, MIN_NS, count_of};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, Outcome, Run};

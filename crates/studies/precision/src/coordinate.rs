@@ -3,7 +3,7 @@
 
 use crate::error::{AngleErrors, judge};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
-use crate::keys::*;
+use crate::metrics::*;
 use crate::place::RegionPicture;
 use crate::routes::family;
 use crate::row::{PrecisionPart, PrecisionRow};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums of measured errors, and what is said where formula and measurement part.
 
-use crate::keys::*;
+use crate::metrics::*;
 use crate::row::PrecisionRow;
 use std::f64::consts::{PI, TAU};
 use terrafill_results::{Metric, Status};

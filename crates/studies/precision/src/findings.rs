@@ -4,7 +4,7 @@
 //! There is a finding against a route where its bound is finite, so that its formula has an answer, and
 //! an error was measured above the bound nonetheless or an answer was not finite.
 
-use crate::keys::{MAX_OVER_RESIDUAL, RESIDUAL_MAX_M};
+use crate::metrics::{MAX_OVER_RESIDUAL, RESIDUAL_MAX_M};
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_results::Status;
 use terrafill_texture::{CoordinateRoute, SuiteCell, SuiteFinding};
@@ -66,7 +66,7 @@ fn add(there: &mut SuiteFinding, found: &SuiteFinding) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keys::NON_FINITE_DEVICE;
+    use crate::metrics::NON_FINITE_DEVICE;
 
     fn row(part: PrecisionPart, route: &str, ratio: f64, non_finite: u64) -> PrecisionRow {
         let is_wrong = non_finite > 0 || ratio > 1.02;

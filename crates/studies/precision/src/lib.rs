@@ -14,7 +14,6 @@ mod coordinate;
 mod error;
 mod findings;
 mod kernel;
-mod keys;
 mod metrics;
 mod place;
 mod position;

@@ -4,7 +4,7 @@
 use crate::coordinate::put_operations;
 use crate::error::{AGREEMENT, ErrorSum, judge};
 use crate::kernel::{Kernels, PositionKernel, ask};
-use crate::keys::*;
+use crate::metrics::*;
 use crate::place::halton;
 use crate::row::{PrecisionPart, PrecisionRow};
 use crate::sight::{CLEARED_PIXEL, DISTANCE_SPREAD, IMAGE, ProbeView};

@@ -1,34 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One formula under one condition: what is measured of it, and under which names it is written.
 
-use crate::keys::*;
+use crate::metrics::*;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, ConditionKey, Metric, Status, Verdict};
 
-/// Which question a row answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
-pub enum PrecisionPart {
-    /// From a fragment's offset to longitude and latitude.
-    #[default]
-    Coordinate,
-    /// From a fragment's pixel and depth to its offset.
-    Position,
-    /// From a stored vertex to its position relative to the eye.
-    Vertex,
-    /// A coordinate route at an input where formulas break.
-    Special,
-}
-
-impl PrecisionPart {
-    /// As in the `part` column.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Coordinate => "coordinate",
-            Self::Position => "position",
-            Self::Vertex => "vertex",
-            Self::Special => "special",
-        }
+terrafill_results::named! {
+    /// Which question a row answers.
+    #[derive(Hash, PartialOrd, Ord, Default)]
+    pub enum PrecisionPart {
+        /// From a fragment's offset to longitude and latitude.
+        #[default]
+        Coordinate = "coordinate",
+        /// From a fragment's pixel and depth to its offset.
+        Position = "position",
+        /// From a stored vertex to its position relative to the eye.
+        Vertex = "vertex",
+        /// A coordinate route at an input where formulas break.
+        Special = "special",
     }
 }
 

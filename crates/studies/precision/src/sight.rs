@@ -49,25 +49,14 @@ pub(crate) const CLEARED_PIXEL: [f32; 2] = [1200.5, 300.5];
 /// A distance is spread by this much, so that its depth meets every rounding.
 pub(crate) const DISTANCE_SPREAD: f64 = 0.02;
 
-/// Where the region's anchor stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Anchor {
-    /// Where a frame plan puts it.
-    Plan,
-    /// In the middle of the region, at the pole that it touches: what the plan's is worth is read
-    /// beside it.
-    Middle,
-}
-
-impl Anchor {
-    const ALL: [Self; 2] = [Self::Plan, Self::Middle];
-
-    /// As in the `anchor` column.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Plan => "plan",
-            Self::Middle => "middle",
-        }
+terrafill_results::named! {
+    /// Where the region's anchor stands.
+    all pub(crate) enum Anchor {
+        /// Where a frame plan puts it.
+        Plan = "plan",
+        /// In the middle of the region, at the pole that it touches: what the plan's is worth is read
+        /// beside it.
+        Middle = "middle",
     }
 }
 

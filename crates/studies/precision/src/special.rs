@@ -4,7 +4,7 @@
 
 use crate::coordinate::{of_route, put_operations};
 use crate::kernel::{CoordinateKernel, Kernels, ask};
-use crate::keys::{NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS};
+use crate::metrics::{NON_FINITE_DEVICE, NON_FINITE_EMULATED, POINTS};
 use crate::place::RegionPicture;
 use crate::row::{PrecisionPart, PrecisionRow};
 use glam::DVec3;

@@ -3,8 +3,7 @@
 
 use crate::STUDY;
 use crate::kernel::{Kernels, LoopTime, TimedFormula};
-use crate::keys::{OF_PART, PART, ROUTE};
-use crate::metrics::METRICS;
+use crate::metrics::{METRICS, OF_PART, PART, ROUTE};
 use crate::row::PrecisionRow;
 use crate::suite::{Condition, Suite};
 use std::cell::RefCell;
@@ -28,7 +27,7 @@ impl Study for PrecisionStudy {
         name: STUDY,
         question: "Which formula finds a texture coordinate with which error, at which cost?",
         metrics: METRICS,
-        conditions: crate::keys::CONDITIONS,
+        conditions: crate::metrics::CONDITIONS,
         least_depth: Full,
         chapter: crate::chapter::PrecisionChapter,
     );

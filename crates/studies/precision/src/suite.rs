@@ -135,7 +135,7 @@ pub fn measure_suite() -> Result<Vec<PrecisionRow>, StudyError> {
 mod tests {
     use super::*;
     use crate::kernel::{TimedFormula, coordinate_evaluator};
-    use crate::keys::{
+    use crate::metrics::{
         CHOSEN, DEVICE_MAX_M, EMULATED_MAX_M, EXPECTED_MAX_RAD, MAX_PX, NON_FINITE_DEVICE,
         NON_FINITE_EMULATED, OPERATIONS_COST,
     };
@@ -302,7 +302,7 @@ mod tests {
         let odd = row(&nan, "odd-7", "");
         assert_eq!(
             odd.figure(NON_FINITE_DEVICE),
-            odd.figure(crate::keys::POINTS)
+            odd.figure(crate::metrics::POINTS)
         );
         assert_eq!(
             (odd.figure(NON_FINITE_EMULATED), odd.status),

@@ -3,7 +3,7 @@
 //! device they are drawn by the backends' own variants.
 
 use crate::error::{AGREEMENT, ErrorSum};
-use crate::keys::*;
+use crate::metrics::*;
 use crate::place::{RegionPicture, VIEW_ROWS, halton};
 use crate::row::{PrecisionPart, PrecisionRow};
 use crate::sight::FIELD_OF_VIEW_DEG;

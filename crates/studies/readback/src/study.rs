@@ -172,10 +172,7 @@ mod tests {
 
     #[test]
     fn a_run_has_every_time_and_a_chapter() {
-        let size = ImageSize {
-            width: 1,
-            height: 1,
-        };
+        let size = ImageSize::new(1, 1);
         for interface in INTERFACES {
             let opened = (interface.open)(&Devices::default(), size);
             if device_for_test(opened).is_none() {
@@ -206,10 +203,7 @@ mod tests {
     #[test]
     fn a_device_gives_the_globe_back_and_one_byte_is_another_picture() {
         // Odd, so that rows are padded.
-        let size = ImageSize {
-            width: 101,
-            height: 67,
-        };
+        let size = ImageSize::new(101, 67);
         let input = rolled_globe(size).expect("a surface");
         for interface in INTERFACES {
             let opened = (interface.open)(&Devices::default(), size);

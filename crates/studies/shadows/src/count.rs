@@ -6,7 +6,6 @@
 //! has the same bits from both of its triangles, so that no ray slips between them. The depth of a lit
 //! surface and that of its light cap come from one expression and are equal: equal depth fails.
 
-use crate::named::named;
 use crate::reference::{Light, Seen, Truth};
 use crate::scissor::around;
 use crate::view::{DeckCamera, whole};
@@ -14,9 +13,9 @@ use glam::{DVec3, DVec4};
 use terrafill_casters::{Mesh, Volume};
 use terrafill_plan::PixelRect;
 
-named! {
+terrafill_results::named! {
     /// Which faces count.
-    all Rule {
+    all pub(crate) enum Rule {
         /// Front faces that pass +1, back faces that pass −1.
         Pass = "z-pass",
         /// Back faces that fail +1, front faces that fail −1.

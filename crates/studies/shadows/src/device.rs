@@ -6,7 +6,6 @@ mod on_wgpu;
 
 use self::on_vulkan::OnVulkan;
 use self::on_wgpu::OnWgpu;
-use crate::named::named;
 use crate::source::VolumeSource;
 use terrafill_contract::{
     Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, SurfaceView,
@@ -14,9 +13,9 @@ use terrafill_contract::{
 use terrafill_stencil::{StencilExecutor, StencilWork};
 use terrafill_variant::Switches;
 
-named! {
+terrafill_results::named! {
     /// An interface that draws.
-    all Interface {
+    all pub(crate) enum Interface {
         Wgpu = terrafill_gpu::API.name,
         Vulkan = terrafill_vulkan::API.name,
     }

@@ -243,10 +243,7 @@ fn constants(camera: &Camera, volumes: usize) -> Vec<VolumeConstants> {
 
 fn hash(mask: &[bool]) -> String {
     mask_hash(&Frame {
-        size: ImageSize {
-            width: count(mask.len()),
-            height: 1,
-        },
+        size: ImageSize::new(count(mask.len()), 1),
         ids: mask.iter().map(|is_dark| u32::from(*is_dark)).collect(),
         surface: vec![true; mask.len()],
         non_finite: 0,

@@ -5,7 +5,6 @@ use crate::ablation::StencilStep;
 use crate::count::Rule;
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
-use crate::named::named;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::rivals::Rival;
@@ -16,9 +15,9 @@ use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::ConditionKey;
 
-named! {
+terrafill_results::named! {
     /// How a silhouette is found.
-    all Method {
+    all pub(crate) enum Method {
         Stack = "stack",
         Hash = "hash",
         Adjacency = "adjacency",

@@ -20,7 +20,6 @@ mod list;
 mod loading;
 mod maps;
 mod metrics;
-mod named;
 mod near;
 mod outline;
 mod reference;

@@ -6,7 +6,6 @@
 //! asks the texel that it lies in. Faces turned away from the sun are dark without asking.
 
 use crate::count::Wrong;
-use crate::named::named;
 use crate::reference::{Seen, Truth};
 use crate::view::{DeckCamera, whole};
 use crate::work::Scene;
@@ -24,9 +23,9 @@ const CONSTANT_M: [f64; 13] = [
 /// Steps of a bias by slope, in texels times the tangent between normal and light.
 const SLOPE_TEXELS: [f64; 7] = [0.0, 0.25, 0.5, 0.71, 1.0, 1.5, 2.0];
 
-named! {
+terrafill_results::named! {
     /// What keeps a lit receiver from being in its own shadow.
-    all Bias {
+    all pub(crate) enum Bias {
         /// So many metres.
         Constant = "constant",
         /// So many texels times the slope of the receiver against the light.

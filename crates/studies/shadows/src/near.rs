@@ -4,7 +4,6 @@
 //! z-pass is right for a caster exactly where the near rectangle is outside its volume: where the caster
 //! is disjoint from the prism that the rectangle sweeps towards the sun.
 
-use crate::named::named;
 use crate::reference::Reference;
 use crate::scissor::cut;
 use crate::view::{DeckCamera, box_of};
@@ -19,9 +18,9 @@ const MARGIN_M: f64 = 1e-6;
 /// Samples of the near rectangle along each axis, its corners included.
 const SAMPLES: u32 = 17;
 
-named! {
+terrafill_results::named! {
     /// How the rule is chosen.
-    all EyeTest {
+    all pub(crate) enum EyeTest {
         /// As published: the segment from the eye to the sun, for the frame.
         Eye = "eye",
         /// Box of each model.

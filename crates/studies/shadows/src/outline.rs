@@ -5,7 +5,6 @@
 //! A model covers an interval and its contour is drawn over the interval's rim, a pixel in and a pixel
 //! out. What lies inside the model is to be suppressed.
 
-use crate::named::named;
 use terrafill_results::SplitMix64;
 
 /// Pixels of the line.
@@ -13,9 +12,9 @@ const WIDTH: usize = 512;
 /// A stencil without a model.
 const NONE: u8 = 255;
 
-named! {
+terrafill_results::named! {
     /// How inner contours are suppressed.
-    all Way {
+    all pub(crate) enum Way {
         /// The stencil is cleared for each model.
         Clear = "clear",
         /// A value for each model; contours pass where the stencil differs from it.

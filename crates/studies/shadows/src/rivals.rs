@@ -16,7 +16,6 @@ use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
 use crate::device::Interface;
 use crate::drawing::DeviceDrawn;
-use crate::named::named;
 use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use crate::work::Scene;
@@ -28,9 +27,9 @@ use terrafill_study::Failure;
 /// 1/256 of a pixel, depths are no more exact.
 pub(crate) const MARGIN_PX: f64 = 1.0 / 256.0;
 
-named! {
+terrafill_results::named! {
     /// How shadows come about without volumes.
-    all Rival {
+    all pub(crate) enum Rival {
         Tiles = "tiles of triangles",
         Rays = "ray query",
     }

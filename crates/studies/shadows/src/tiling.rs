@@ -93,10 +93,7 @@ mod tests {
 
     #[test]
     fn a_volume_is_drawn_where_depths_are_in_its_range_and_nowhere_else() {
-        let size = ImageSize {
-            width: 40,
-            height: 40,
-        };
+        let size = ImageSize::new(40, 40);
         // The upper half far away, a spot in the lower one near, the rest sky.
         let mut depth = vec![0.0; 1600];
         depth[..800].fill(0.01);

@@ -2,16 +2,15 @@
 //! Eyes in the port beside the bridge and the deck, each of which is hard in a way of its own.
 
 use crate::count::{Pass, Rule};
-use crate::named::named;
 use crate::near::{Boxes, EyeTest, chosen};
 use crate::reference::Reference;
 use crate::view::DeckCamera;
 use crate::work::{ChannelTotals, End, Scene};
 use glam::DVec3;
 
-named! {
+terrafill_results::named! {
     /// A view of the port.
-    Place {
+    pub(crate) enum Place {
         /// Between the legs of a crane, whose lattice has many small shadows.
         UnderCrane = "under-crane",
         /// On deck where the shadow of a rail, 5 cm thick, runs through the near rectangle.

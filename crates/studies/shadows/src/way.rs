@@ -3,7 +3,6 @@
 
 use crate::count::Rule;
 use crate::device::Interface;
-use crate::named::named;
 use crate::near::EyeTest;
 use crate::source::Adjacency;
 use crate::view::DeckCamera;
@@ -92,9 +91,9 @@ pub(crate) struct DeviceWay {
     pub(crate) bounds: Bounds,
 }
 
-named! {
+terrafill_results::named! {
     /// What is made of the rectangle round a caster's shadow.
-    Cut {
+    pub(crate) enum Cut {
         Off = "off",
         /// A caster is left out where its rectangle is empty.
         Culled = "casters left out",
@@ -103,9 +102,9 @@ named! {
     }
 }
 
-named! {
+terrafill_results::named! {
     /// Where the surface's depth must be for a fragment of a caster to count: in the range of its volume.
-    Bounds {
+    pub(crate) enum Bounds {
         Off = "off",
         /// By the device's own test.
         Native = "native",

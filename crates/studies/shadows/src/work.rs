@@ -7,7 +7,6 @@ mod staged;
 pub(crate) use self::rounding::ROUNDING_PX;
 
 use crate::count::{Pass, Rule, Stencil, Wrong};
-use crate::named::named;
 use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{above_horizon, around_pixels, depths_of_parts, of_parts};
 #[cfg(test)]
@@ -68,9 +67,9 @@ impl End {
     }
 }
 
-named! {
+terrafill_results::named! {
     /// What the stencil is restricted to.
-    all Scissor {
+    all pub(crate) enum Scissor {
         Off = "off",
         Horizon = "horizon",
         CasterRectangle = "caster-rect",

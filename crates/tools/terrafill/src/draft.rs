@@ -119,10 +119,7 @@ pub(crate) fn run(arguments: &SceneArguments) -> Result<Outcome, Failure> {
         out,
         size: (width, height),
     }) = &arguments.verb;
-    let size = ImageSize {
-        width: *width,
-        height: *height,
-    };
+    let size = ImageSize::new(*width, *height);
     let text = scene_text(regions, own, size)?;
     if is_standard(out) {
         print(text)?;
@@ -534,10 +531,7 @@ mod tests {
     use terrafill_core::Geodetic;
     use terrafill_scene::Camera;
 
-    const SIZE: ImageSize = ImageSize {
-        width: 100,
-        height: 100,
-    };
+    const SIZE: ImageSize = ImageSize::new(100, 100);
 
     fn square(west: f64, south: f64, side: f64) -> String {
         let (east, north) = (west + side, south + side);

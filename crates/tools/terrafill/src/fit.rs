@@ -276,15 +276,7 @@ mod tests {
             let meshes =
                 RegionMesh::build_all(&regions, &body, EdgeRule::Planar, &MeshOptions::default());
             let meshes = meshes.expect("meshes");
-            let pose = fitted(
-                &body,
-                &meshes,
-                ImageSize {
-                    width: 256,
-                    height: 256,
-                },
-            )
-            .expect("a pose");
+            let pose = fitted(&body, &meshes, ImageSize::new(256, 256)).expect("a pose");
             pose.eye.latitude_rad.to_degrees()
         };
         let band = |[south, north]: [f64; 2]| {

@@ -153,10 +153,7 @@ fn scene_argument(arguments: &RenderArguments) -> &str {
 }
 
 fn size(arguments: &RenderArguments) -> ImageSize {
-    ImageSize {
-        width: arguments.size.0,
-        height: arguments.size.1,
-    }
+    ImageSize::new(arguments.size.0, arguments.size.1)
 }
 
 /// The view called `name`, or without a name the only one.

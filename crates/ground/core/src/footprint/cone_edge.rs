@@ -12,7 +12,6 @@ use super::cone::ConeOverBody;
 use crate::mesh::{sagitta_m, volume_heights};
 use crate::{Ellipsoid, OrientedBox, VolumeHeights};
 use glam::DVec3;
-use terrafill_planar::nearest_f32;
 
 /// A cone and a body, with what the closed form needs computed beforehand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,7 +159,7 @@ pub(super) fn faces_inwards([a, b, c]: [DVec3; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{EdgeRule, FootprintMesher, Geodetic, RegionMesh, SensorCone};
+    use crate::{EdgeRule, FootprintMesher, Geodetic, RegionMesh, SensorCone, nearest_f32};
     use glam::Vec3;
 
     fn cone(longitude_deg: f64, tilt_deg: f64, half_angle_deg: f64, height_m: f64) -> SensorCone {

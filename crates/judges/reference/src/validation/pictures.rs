@@ -37,10 +37,7 @@ fn pose(lon: f64, lat: f64, height_m: f64, pitch_deg: f64) -> CameraPose {
 pub(super) fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput {
     let surface = EllipsoidKind::surface(&body, rows);
     let camera = Camera::new(&body, pose);
-    let size = ImageSize {
-        width: size,
-        height: size,
-    };
+    let size = ImageSize::new(size, size);
     FillInput {
         view_id: ViewId::unique(),
         surface: surface.frame(&camera, size).expect("above"),

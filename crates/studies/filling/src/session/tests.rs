@@ -23,10 +23,7 @@ fn only_what_is_drawn_coarser_or_flat_may_be_moved() {
             top_m: 1.0,
             bottom_m: -1.0,
         },
-        screen_rect: PixelRect::full(ImageSize {
-            width: 8,
-            height: 8,
-        }),
+        screen_rect: PixelRect::full(ImageSize::new(8, 8)),
         near_rectangle: NearRectangle::Outside,
         drawn_as,
     };

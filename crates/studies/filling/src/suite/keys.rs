@@ -10,18 +10,16 @@ conditions! {
     SCENE_REASON = "scene-reason";
 }
 
-metrics! { METRICS; SUITE_CASE_S = "suite_case_s"; }
-
-pub(crate) const METRICS: [Metric; 2] = [
-    Metric::less(
+metrics! {
+    SUITE_CASE_S = Metric::less(
         "suite_case_s",
         "s",
         Kind::Time,
         "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
-    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK)),
-    Metric::error(
-"validation_messages",
-"",
+    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK));
+    VALIDATION_MESSAGES = Metric::error(
+        "validation_messages",
+        "",
         "Messages of the Vulkan validation layer while a case was drawn and compared. Absent where the layer was off.",
-    ),
-];
+    );
+}

@@ -13,10 +13,7 @@ use terrafill_plan::PlanOptions;
 use terrafill_scene::{ImageSize, Scene};
 use terrafill_screen_grid::ScreenGridKind;
 
-const SIZE: ImageSize = ImageSize {
-    width: 192,
-    height: 144,
-};
+const SIZE: ImageSize = ImageSize::new(192, 144);
 
 /// Every other cell of a rectangle: columns, rows, west, south, width and height of a cell, degrees.
 type Cells = ([u32; 2], [f64; 4]);

@@ -319,10 +319,7 @@ fn a_target_of_another_size_is_made_anew() {
         return;
     };
     let scene = two_squares();
-    let small = ImageSize {
-        width: 96,
-        height: 64,
-    };
+    let small = ImageSize::new(96, 64);
     let accumulated = vertex(with_colour(ColourWay::IdAccumulation));
     for size in [SIZE, small] {
         let input = look(&scene, (4.0, 2.0, 2e6, 0.0, -90.0), 100.0, size);

@@ -27,10 +27,7 @@ use terrafill_surface::EllipsoidKind;
 use terrafill_variant::{ColourWay, RouteChoice, Switches};
 use terrafill_vertex::Layout;
 
-const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 192,
-};
+const SIZE: ImageSize = ImageSize::new(256, 192);
 
 fn switches(texture: &str, colour: ColourWay) -> Switches {
     Switches {

@@ -213,10 +213,7 @@ fn view(number: u32) -> (u32, Camera, ImageSize) {
         fov_y_rad: 60_f64.to_radians(),
         near_m: 1.0,
     };
-    let size = ImageSize {
-        width: SIDE_PX,
-        height: SIDE_PX,
-    };
+    let size = ImageSize::new(SIDE_PX, SIDE_PX);
     let n = 1 + (20.0 * at(5)) as u32;
     (n, Camera::new(&Ellipsoid::WGS84, &pose), size)
 }

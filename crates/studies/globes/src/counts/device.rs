@@ -21,10 +21,7 @@ use terrafill_vulkan::{
 
 /// Pixels a side: with pictures of 64² texels, some 40 nodes.
 pub(crate) const SIDE_PX: u32 = 400;
-const SIZE: ImageSize = ImageSize {
-    width: SIDE_PX,
-    height: SIDE_PX,
-};
+const SIZE: ImageSize = ImageSize::new(SIDE_PX, SIDE_PX);
 /// Texels along a side of a node's picture.
 pub(crate) const NODE_TEXELS: u32 = 64;
 

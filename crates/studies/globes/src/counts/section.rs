@@ -4,7 +4,7 @@
 use super::course::drawing;
 use super::{ENOUGH, PART};
 use crate::clock::compared_in;
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 
@@ -16,7 +16,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            drawing to using a count. On Vulkan counts are precise occlusion queries, one a node. WebGPU's queries say \
            no more than zero or not, so on wgpu a compute pass counts a target of node numbers. Counts of the first \
            and the last frame are held against rays in f64: a node may be off by the pixels at its edge.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("path", PATH),
         ("counted by", COUNTED_BY),

@@ -3,7 +3,7 @@
 
 use super::{ALLOWED_PX, PART};
 use crate::clock::{DRAW, FRAME};
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, ChapterError, Finding};
@@ -18,7 +18,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            it is, on the faces of a cube, which the paper leaves to the future. By its direction from the body's \
            centre, in f32, a vertex is half a metre off and its height with it. Locally it goes by its way from the \
            ground below the eye: heights and normals are differences from those there.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("view", VIEW),
         ("vertices", VERTICES),

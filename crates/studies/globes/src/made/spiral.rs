@@ -11,44 +11,25 @@ use std::sync::Arc;
 const FAN_PX: f64 = 50.0;
 const MAX_INNER: f64 = 0.1;
 
-/// Where vertices come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Source {
-    /// The CPU makes and sends them.
-    Sent,
-    /// A compute shader makes them.
-    Compute,
-    /// The vertex stage makes them, from a vertex's number.
-    Number,
-}
-
-impl Source {
-    pub(super) const ALL: [Self; 3] = [Self::Sent, Self::Compute, Self::Number];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Sent => "sent",
-            Self::Compute => "compute",
-            Self::Number => "number",
-        }
+terrafill_results::named! {
+    /// Where vertices come from.
+    all pub(crate) enum Source {
+        /// The CPU makes and sends them.
+        Sent = "sent",
+        /// A compute shader makes them.
+        Compute = "compute",
+        /// The vertex stage makes them, from a vertex's number.
+        Number = "number",
     }
 }
 
-/// How vertices find their heights in f32.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Lookup {
-    /// By their direction from the body's centre; the height is added to a place relative to the eye.
-    Absolute,
-    /// By their way from the ground below the eye, whose own height and normal are differences' other side.
-    Local,
-}
-
-impl Lookup {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Absolute => "absolute",
-            Self::Local => "local",
-        }
+terrafill_results::named! {
+    /// How vertices find their heights in f32.
+    pub(crate) enum Lookup {
+        /// By their direction from the body's centre; the height is added to a place relative to the eye.
+        Absolute = "absolute",
+        /// By their way from the ground below the eye, whose own height and normal are differences' other side.
+        Local = "local",
     }
 }
 

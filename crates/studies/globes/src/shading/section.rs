@@ -3,7 +3,7 @@
 
 use super::{ALLOWED, FAULTS, PART, is_of, tessellation};
 use crate::clock::{compared_in, draw, whole};
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use std::collections::BTreeMap;
 use terrafill_lab::{Answer, Cases, Column, Names, Section, Select, finding, measured};
 use terrafill_plot::number::{significant, times};
@@ -65,7 +65,7 @@ pub(crate) const SECTIONS: [Section<'static>; 5] = [
     Section {
         title: "Layers and projections as drawn; what is not finite is magenta",
         cases: Select::Fitting(|case| {
-            case.condition(keys::PART) == PART && !case.note("picture").is_empty()
+            case.condition(metrics::PART) == PART && !case.note("picture").is_empty()
         }),
         named_by: Names::Of("shown", shown),
         pictures: &[("picture", "")],

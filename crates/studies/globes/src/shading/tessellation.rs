@@ -4,7 +4,7 @@
 
 use super::{REMOVED, is_of};
 use crate::clock::{DRAW, compared_in, draw};
-use crate::keys::{self, CELLS, GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_TRIANGLES, SIZE_PX};
+use crate::metrics::{self, CELLS, GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_TRIANGLES, SIZE_PX};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{Case, Claim, Finding, Scope, ratio};
@@ -20,7 +20,10 @@ pub(super) const SECTION: Section<'static> = Section {
     text: "Windows and triangles as in Gebbie & Bailey's Table 1, with the full shader and with all seven features \
            removed. Time that does not depend on tessellation is level.",
     cases: Select::Fitting(|case| is_of(case, "tessellation")),
-    named_by: Names::Columns(&[("window, px", SIZE_PX), ("features removed", keys::REMOVED)]),
+    named_by: Names::Columns(&[
+        ("window, px", SIZE_PX),
+        ("features removed", metrics::REMOVED),
+    ]),
     columns: &[Column::metric("triangles", GLOBE_TRIANGLES), DRAW],
     findings: &[independent],
     drawing: Some(Drawing {
@@ -32,7 +35,7 @@ pub(super) const SECTION: Section<'static> = Section {
                 Figure::ByClock(GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS),
             ),
             curve: Names::Of("", |case| {
-                let [window, removed] = [SIZE_PX, keys::REMOVED].map(|key| case.condition(key));
+                let [window, removed] = [SIZE_PX, metrics::REMOVED].map(|key| case.condition(key));
                 format!("{window}² px, {removed} removed")
             }),
             knob: Figure::Metric(GLOBE_TRIANGLES),
@@ -44,7 +47,7 @@ pub(super) const SECTION: Section<'static> = Section {
 
 /// Of each window the case with the most triangles and the one with the fewest.
 fn ends<'a>(cases: &Cases<'a>, removed: u32) -> Vec<[&'a Case; 2]> {
-    let own = cases.with(&[(keys::REMOVED, &removed.to_string())]);
+    let own = cases.with(&[(metrics::REMOVED, &removed.to_string())]);
     let of = |window: Cases<'a>| {
         let mut own: Vec<&Case> = window.iter().collect();
         own.sort_by(|a, b| {

@@ -119,10 +119,7 @@ fn kinds_that_there_are_not_are_left_out_by_name() {
 #[test]
 fn a_run_has_errors_times_and_a_chapter() {
     for interface in [terrafill_gpu::SURFACES, RAYS] {
-        let size = terrafill_scene::ImageSize {
-            width: 1,
-            height: 1,
-        };
+        let size = terrafill_scene::ImageSize::new(1, 1);
         if device_for_test((interface.open)(&Devices::default(), size)).is_none() {
             return;
         }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How tiles of a map are laid over a grid on the screen.
 
-use crate::keys::{CELLS, LEVEL, MERCATOR, SEAM, TILES};
+use crate::metrics::{CELLS, LEVEL, MERCATOR, SEAM, TILES};
 use terrafill_results::ConditionKey;
 
 /// How triangles across ±180° are kept from running back over the whole map.
@@ -41,24 +41,16 @@ impl Seam {
     }
 }
 
-/// How fragments come to their tile.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Drawing {
-    /// As published: the whole grid is drawn once for each tile, and fragments of other tiles are discarded.
-    DrawEach,
-    /// In one draw, from an array of all tiles.
-    Array,
-    /// In one draw, from as many textures as there are tiles, chosen by each fragment.
-    Bindless,
-}
-
-impl Drawing {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::DrawEach => "draw-each",
-            Self::Array => "array",
-            Self::Bindless => "bindless",
-        }
+terrafill_results::named! {
+    /// How fragments come to their tile.
+    #[derive(PartialOrd, Ord)]
+    pub(crate) enum Drawing {
+        /// As published: the whole grid is drawn once for each tile, and fragments of other tiles are discarded.
+        DrawEach = "draw-each",
+        /// In one draw, from an array of all tiles.
+        Array = "array",
+        /// In one draw, from as many textures as there are tiles, chosen by each fragment.
+        Bindless = "bindless",
     }
 }
 

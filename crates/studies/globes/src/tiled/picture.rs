@@ -18,9 +18,8 @@ use super::truth::{Texel, Tile, Truth, tiles, truths};
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::image::write_png;
-use crate::keys;
-use crate::keys::{SIZE_PX, VIEW};
 use crate::list::{Eye, ViewRow};
+use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::opened::Opened;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -87,9 +86,9 @@ impl Pictured {
             .collect();
         let cases = views.iter().map(|view| {
             let conditions = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (VIEW, view.name.clone()),
-                (keys::CELLS, CELLS.to_string()),
+                (metrics::CELLS, CELLS.to_string()),
                 (SIZE_PX, side_px.to_string()),
             ];
             PlannedCase {

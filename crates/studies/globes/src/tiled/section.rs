@@ -4,7 +4,7 @@
 use super::PART;
 use super::options::Options;
 use crate::clock::{DRAW, FRAME, compared_in, whole};
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 
@@ -17,7 +17,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            out of the first: longitude is no function on them. A case of the base is a grid of 10 × 10 cells, split \
            by the CPU at ½, V' by the vertex, one draw from an array, a level for each pixel. Others differ in what \
            is named.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Of("way", name),
     columns: &[
         Column::metric("crossing triangles", GLOBE_TILE_CROSSING),

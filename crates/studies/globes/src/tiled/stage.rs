@@ -13,9 +13,8 @@ use super::{ALLOWED_TEXELS, grid};
 use crate::STUDY;
 use crate::canvas::view_constants;
 use crate::clock::FrameWatch;
-use crate::keys;
-use crate::keys::{LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use crate::list::{Eye, ViewRow};
+use crate::metrics::{self, LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use crate::opened::Opened;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -103,7 +102,7 @@ impl Stages {
             let [by, limit] = splitter.names();
             let name = format!("{PART}/{}/{by}{limit}", view.name);
             let conditions = [
-                (keys::PART, PART.to_owned()),
+                (metrics::PART, PART.to_owned()),
                 (VIEW, view.name.clone()),
                 (SPLIT_BY, by),
                 (LIMIT, limit),

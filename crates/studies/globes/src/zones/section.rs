@@ -3,7 +3,7 @@
 
 use super::PART;
 use crate::counts::{course, why_not_settled};
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, Finding};
@@ -15,7 +15,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            than the lower one, by counts of the frame before. Spikes between two rows of zones stand on every second \
            vertex, so that only two zones at the finest level show them; they hide all but 1/m of the zones behind. A \
            cycle needs a hysteresis below 4 m.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("counted by", COUNTED_BY),
         ("spikes, m", SPIKE_M),

@@ -54,23 +54,13 @@ pub(crate) fn scatter(number: u32, seed: u32) -> u32 {
     bits ^ (bits >> 16)
 }
 
-/// In which order texels are looked up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Access {
-    /// Block by block, row by row.
-    Coherent,
-    /// Anywhere.
-    Random,
-}
-
-impl Access {
-    pub(crate) const ALL: [Self; 2] = [Self::Coherent, Self::Random];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Coherent => "coherent",
-            Self::Random => "random",
-        }
+terrafill_results::named! {
+    /// In which order texels are looked up.
+    all pub(crate) enum Access {
+        /// Block by block, row by row.
+        Coherent = "coherent",
+        /// Anywhere.
+        Random = "random",
     }
 }
 

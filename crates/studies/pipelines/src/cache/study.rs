@@ -6,7 +6,7 @@ use super::queries::{Access, Blocks, SIDE, TexelQuery, answer, queries};
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
 use crate::draws::count;
-use crate::keys::{self, ACCESS, API, EXPERIMENT, KEPT_IN};
+use crate::metrics::{self, ACCESS, API, EXPERIMENT, KEPT_IN};
 use crate::way::Interface;
 use std::ops::Range;
 use terrafill_results::{ConditionKey, Verdict};
@@ -126,7 +126,7 @@ impl Trial for CacheCase {
             (API, self.interface.name().to_owned()),
             (KEPT_IN, self.keep.name().to_owned()),
             (ACCESS, self.access.name().to_owned()),
-            (keys::BLOCKS, self.blocks.count().to_string()),
+            (metrics::BLOCKS, self.blocks.count().to_string()),
         ]
     }
 

@@ -5,7 +5,7 @@ use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
 };
 use super::published::AMPLIFICATION;
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Claim, Finding};

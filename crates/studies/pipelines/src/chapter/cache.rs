@@ -5,7 +5,7 @@ use super::kit::{
     TIME, at_least, beside, compared, gain, none_of, of_most, ratios, remark, said, time,
 };
 use crate::cache::Keep;
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
 use terrafill_results::{Claim, Finding, Scope};

@@ -5,7 +5,7 @@ use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, percent, ratios, remark,
 };
 use crate::culling::{CullStage, VIEWS};
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Follows, Names, Panel, Section, Select, finding,
 };

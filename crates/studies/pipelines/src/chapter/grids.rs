@@ -5,7 +5,7 @@ use super::kit::{
     FRAME, WHOLE, at_least, compared, counter, frame_time, gain, of_most, remark, said,
 };
 use super::published::{CARDS, GRIDS, GridRow};
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{Block, Cell, Claim, Finding, Heading, Row, Table};

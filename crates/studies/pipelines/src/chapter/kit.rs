@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Times of the chapter's sections, and cases beside others.
 
-use crate::keys::API;
-use crate::metrics::METRICS;
+use crate::metrics::{API, PIPELINE_CPU_MS, PIPELINE_GPU_MS, PIPELINE_WALL_MS};
 use terrafill_lab::{Cases, Column, Comparison, Figure, Follows, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Block, Case, ChapterError, Claim, Clock, ConditionKey, Estimate, Finding, Metric, Scope, ratio,
 };
 
-const CPU: &Metric = Metric::of(&METRICS, "pipeline_cpu_ms");
-const GPU: &Metric = Metric::of(&METRICS, "pipeline_gpu_ms");
-const WALL: &Metric = Metric::of(&METRICS, "pipeline_wall_ms");
-
 /// Times.
-pub(super) const TIME: Figure = Figure::ByClock(GPU, CPU);
+pub(super) const TIME: Figure = Figure::ByClock(PIPELINE_GPU_MS, PIPELINE_CPU_MS);
 /// Times of ways that differ in what the CPU does and sends each frame, of which a device's clock knows nothing.
-pub(super) const FRAME: Figure = Figure::ByClock(WALL, CPU);
+pub(super) const FRAME: Figure = Figure::ByClock(PIPELINE_WALL_MS, PIPELINE_CPU_MS);
 /// What the latter covers of a frame.
 pub(super) const WHOLE: Scope = Scope::UPLOAD.and(Scope::DRAW);
 
 /// The metric of [`TIME`].
 pub(super) fn time(clock: Clock) -> &'static Metric {
-    clock.pick(GPU, CPU)
+    clock.pick(PIPELINE_GPU_MS, PIPELINE_CPU_MS)
 }
 
 /// The metric of [`FRAME`].
 pub(super) fn frame_time(clock: Clock) -> &'static Metric {
-    clock.pick(WALL, CPU)
+    clock.pick(PIPELINE_WALL_MS, PIPELINE_CPU_MS)
 }
 
 /// A column of what devices count.

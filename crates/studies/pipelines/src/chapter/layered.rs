@@ -4,7 +4,7 @@
 
 use super::kit::{TIME, at_least, compared, of_most, said, time};
 use crate::blur::MOTION_PX;
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope, range,
 };

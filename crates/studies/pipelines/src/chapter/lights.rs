@@ -5,15 +5,12 @@ use super::kit::{
     TIME, at_least, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark,
     said,
 };
-use crate::keys::*;
 use crate::lights::LightWay;
-use crate::metrics::METRICS;
+use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
 use terrafill_results::{Claim, Clock, Finding, Metric, Scope};
 
-const MAPS_CPU: &Metric = Metric::of(&METRICS, "lights_maps_cpu_ms");
-const MAPS_GPU: &Metric = Metric::of(&METRICS, "lights_maps_gpu_ms");
 /// Fewest lights of which the claim is read.
 const LEAST_CLAIMED: u32 = 4;
 
@@ -35,7 +32,7 @@ pub(super) const SECTION: Section<'static> = Section {
     pictures: &[("picture", "")],
     more: &[|_| remark(WHAT_WAS_PUBLISHED)],
     columns: &[
-        Column::clocked("maps, ms", MAPS_GPU, MAPS_CPU),
+        Column::clocked("maps, ms", LIGHTS_MAPS_GPU_MS, LIGHTS_MAPS_CPU_MS),
         ratios("time ÷ that of passes", |cases, case| {
             let passes = beside(cases, case, &[(LAYERS_BY, LightWay::Passes.name())]);
             gain(Some(case), passes, maps(cases.clock()))
@@ -55,7 +52,7 @@ pub(super) const SECTION: Section<'static> = Section {
 };
 
 fn maps(clock: Clock) -> &'static Metric {
-    clock.pick(MAPS_GPU, MAPS_CPU)
+    clock.pick(LIGHTS_MAPS_GPU_MS, LIGHTS_MAPS_CPU_MS)
 }
 
 /// What is required: the same depths everywhere.

@@ -10,7 +10,7 @@ use super::way::{CullStage, CullWay, FLIGHT_S, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
 use crate::grid::GridCamera;
 use crate::images::{of_numbers, size_px, write};
-use crate::keys::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
+use crate::metrics::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
 use crate::rays::{Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ fn group(
 ) -> CaseGroup<Culling> {
     let case = |case: &CullCase| {
         let place = match experiment {
-            "culling-flight" => (keys::FLIGHT_S, case.second.to_string()),
+            "culling-flight" => (metrics::FLIGHT_S, case.second.to_string()),
             _ => (VIEW, case.view.name.to_owned()),
         };
         let conditions = vec![
@@ -95,7 +95,7 @@ fn group(
             (PLACE, case.way.place.name().to_owned()),
             (TEST, case.way.test.name()),
             place,
-            (keys::TILE_CELLS, tile_cells.to_string()),
+            (metrics::TILE_CELLS, tile_cells.to_string()),
         ];
         let mut planned = planned_case(STUDY, samples, conditions, Some(size_px(size)));
         // The case measures what the published test loses.

@@ -4,38 +4,19 @@
 use crate::way::Interface;
 use glam::DVec2;
 
-/// Where level 2 takes place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CullStage {
-    /// Nowhere: all patches of the tiles in view are drawn.
-    TilesAlone,
-    /// On the CPU, which sends a list each frame.
-    Cpu,
-    /// In compute, which makes a list and says how many are drawn.
-    Compute,
-    /// The vertex shader labels a point, the geometry shader drops it, as published.
-    Geometry,
-    /// A task shader starts a workgroup of the mesh shader for each patch.
-    Task,
-}
-
-impl CullStage {
-    pub(crate) const ALL: [Self; 5] = [
-        Self::TilesAlone,
-        Self::Cpu,
-        Self::Compute,
-        Self::Geometry,
-        Self::Task,
-    ];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::TilesAlone => "tiles-alone",
-            Self::Cpu => "cpu",
-            Self::Compute => "compute",
-            Self::Geometry => "geometry-shader",
-            Self::Task => "task-shader",
-        }
+terrafill_results::named! {
+    /// Where level 2 takes place.
+    all pub(crate) enum CullStage {
+        /// Nowhere: all patches of the tiles in view are drawn.
+        TilesAlone = "tiles-alone",
+        /// On the CPU, which sends a list each frame.
+        Cpu = "cpu",
+        /// In compute, which makes a list and says how many are drawn.
+        Compute = "compute",
+        /// The vertex shader labels a point, the geometry shader drops it, as published.
+        Geometry = "geometry-shader",
+        /// A task shader starts a workgroup of the mesh shader for each patch.
+        Task = "task-shader",
     }
 }
 

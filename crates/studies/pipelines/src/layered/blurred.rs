@@ -15,8 +15,8 @@ use crate::cache::scatter;
 use crate::draws::{LooksUp, bits, differing};
 use crate::grid::nearest;
 use crate::images::square;
-use crate::keys::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::lights::{LightColumns, LightWay};
+use crate::metrics::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
 use crate::way::Interface;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
@@ -162,7 +162,7 @@ impl BlurCase {
         };
         conditions.push((API, self.way.interface().name().to_owned()));
         conditions.push((LAYERS_BY, self.way.name().to_owned()));
-        conditions.push((keys::LAYERS, self.layers.to_string()));
+        conditions.push((metrics::LAYERS, self.layers.to_string()));
         planned_case(
             STUDY,
             samples,

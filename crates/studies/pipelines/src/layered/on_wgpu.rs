@@ -17,25 +17,16 @@ pub(crate) enum Into {
     Sum(Accumulator),
 }
 
-/// What layers are added up in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Accumulator {
-    F32,
-    F16,
-    Eight,
+terrafill_results::named! {
+    /// What layers are added up in.
+    all pub(crate) enum Accumulator {
+        F32 = "blended-f32",
+        F16 = "blended-f16",
+        Eight = "blended-8-bit",
+    }
 }
 
 impl Accumulator {
-    pub(crate) const ALL: [Self; 3] = [Self::F32, Self::F16, Self::Eight];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "blended-f32",
-            Self::F16 => "blended-f16",
-            Self::Eight => "blended-8-bit",
-        }
-    }
-
     fn format(self) -> wgpu::TextureFormat {
         match self {
             Self::F32 => wgpu::TextureFormat::R32Float,

@@ -9,7 +9,7 @@ use crate::STUDY;
 use crate::draws::{LooksUp as _, bits, differing};
 use crate::grid::{Grid, GridCamera};
 use crate::images::{of_lights, size_px, write};
-use crate::keys::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
+use crate::metrics::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::rays::Rays;
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
@@ -54,7 +54,7 @@ fn group(
         let conditions = vec![
             (EXPERIMENT, "lights".to_owned()),
             (LAYERS_BY, way.name().to_owned()),
-            (keys::LIGHTS, count.to_string()),
+            (metrics::LIGHTS, count.to_string()),
             (MAP_TEXELS, side.to_string()),
             (GRID_CELLS, cells.to_string()),
         ];

@@ -6,40 +6,23 @@ use terrafill_vulkan::{GeometryOutput, LayersBy};
 /// Most layers into which a triangle of a list is copied by one invocation: 960 components of usually 1,024.
 const LISTED_COPIES: u32 = 64;
 
-/// A way to all maps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum LightWay {
-    /// A pass each: what the others are held against.
-    Passes,
-    /// A geometry shader copies each triangle into all layers, as published.
-    Copied,
-    /// As many invocations of it as lights make a copy each.
-    Invoked,
-    /// An instance a light, whose vertex shader chooses the layer.
-    Instanced,
-    /// Layers as views of one draw.
-    Views,
+terrafill_results::named! {
+    /// A way to all maps.
+    all pub(crate) enum LightWay {
+        /// A pass each: what the others are held against.
+        Passes = "passes",
+        /// A geometry shader copies each triangle into all layers, as published.
+        Copied = "geometry-copies",
+        /// As many invocations of it as lights make a copy each.
+        Invoked = "geometry-invocations",
+        /// An instance a light, whose vertex shader chooses the layer.
+        Instanced = "vertex-layer",
+        /// Layers as views of one draw.
+        Views = "multiview",
+    }
 }
 
 impl LightWay {
-    pub(crate) const ALL: [Self; 5] = [
-        Self::Passes,
-        Self::Copied,
-        Self::Invoked,
-        Self::Instanced,
-        Self::Views,
-    ];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Passes => "passes",
-            Self::Copied => "geometry-copies",
-            Self::Invoked => "geometry-invocations",
-            Self::Instanced => "vertex-layer",
-            Self::Views => "multiview",
-        }
-    }
-
     pub(crate) fn layers_by(self) -> LayersBy {
         match self {
             Self::Passes => LayersBy::Passes,

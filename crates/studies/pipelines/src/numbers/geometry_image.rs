@@ -13,23 +13,13 @@ use glam::{DVec2, DVec3};
 const EXTENT_M: f64 = 2.2;
 const PICTURE_PX: f64 = 1_024.0;
 
-/// How cells are cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum CellCut {
-    /// From (x + 1, y) to (x, y + 1) everywhere, as a strip of the published order cuts.
-    Published,
-    /// Along the fold of the octahedron in every quarter.
-    Fold,
-}
-
-impl CellCut {
-    pub(super) const ALL: [Self; 2] = [Self::Published, Self::Fold];
-
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::Fold => "fold",
-        }
+terrafill_results::named! {
+    /// How cells are cut.
+    all pub(super) enum CellCut {
+        /// From (x + 1, y) to (x, y + 1) everywhere, as a strip of the published order cuts.
+        Published = "published",
+        /// Along the fold of the octahedron in every quarter.
+        Fold = "fold",
     }
 }
 

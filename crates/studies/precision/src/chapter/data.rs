@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter reads from a run: formulas with their figures, and times of routes.
 
-use crate::keys::*;
+use crate::metrics::*;
 use crate::row::whole;
 use terrafill_lab::Cases;
 use terrafill_plot::Reading;

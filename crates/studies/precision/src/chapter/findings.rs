@@ -5,7 +5,7 @@ use super::data::{
     DEFAULT_POSITION, Data, MIDDLE, NO_REASON, PLAN, QUARTER, is_chosen, non_finite, number,
 };
 use crate::error::agrees;
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, Finding, Metric, Outcome};
 
@@ -34,7 +34,7 @@ pub(super) fn findings(data: &Data<'_>) -> Vec<Finding> {
     let contradicted = chosen().filter(|row| row.outcome != Outcome::Ok).count();
     let places = data.of("coordinate").distinct(CONDITION);
     let rms = largest(chosen(), RMS_TEXELS);
-    let max = largest(chosen(), keys::MAX_TEXELS);
+    let max = largest(chosen(), metrics::MAX_TEXELS);
     if let (Some((rms, rms_at)), Some((max, max_at))) = (rms, max) {
         let unchosen = places.len() - chosen().count();
         let within = rms <= QUARTER && max <= MAX_TEXELS;

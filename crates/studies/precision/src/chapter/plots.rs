@@ -2,7 +2,7 @@
 //! The plots: error against time and against operations, a curve for each family.
 
 use super::data::{DRAWN, Data, QUARTER, non_finite, number};
-use crate::keys::*;
+use crate::metrics::*;
 use terrafill_lab::grouped;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,

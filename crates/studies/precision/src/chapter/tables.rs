@@ -6,7 +6,7 @@ use super::data::{
     number,
 };
 use crate::error::agrees;
-use crate::keys::*;
+use crate::metrics::*;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Block, Case, Cell, ConditionKey, Heading, Metric, Outcome, Row, Table};

@@ -9,10 +9,7 @@ use terrafill_conformance::{compare, verdict};
 use terrafill_contract::Frame;
 use terrafill_scene::ImageSize;
 
-const SIZE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
+const SIZE: ImageSize = ImageSize::new(256, 256);
 
 /// What a backend fills.
 fn drawn(desk: &Desk, scene: &str, view: &str, backend: &str) -> Frame {

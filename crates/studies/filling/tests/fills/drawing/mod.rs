@@ -55,10 +55,7 @@ impl Technique {
 }
 
 pub(crate) const fn square(side_px: u32) -> ImageSize {
-    ImageSize {
-        width: side_px,
-        height: side_px,
-    }
+    ImageSize::new(side_px, side_px)
 }
 
 /// Size of most pictures here.

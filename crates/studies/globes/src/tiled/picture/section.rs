@@ -3,7 +3,7 @@
 
 use super::PART;
 use crate::clock::DRAW;
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
@@ -13,7 +13,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            array over 40 × 40 cells. Each pixel must have the colour of the texel that tiles with addresses say it \
            shows. The difference from the whole picture at the pixel's place on the body, in bytes of 255, is that \
            of resampling and of the grid.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[("view", VIEW)]),
     columns: &[
         Column::metric("px with a texel", GLOBE_TILE_PX),

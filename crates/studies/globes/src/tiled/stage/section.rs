@@ -3,7 +3,7 @@
 
 use super::PART;
 use crate::clock::{DRAW, FRAME};
-use crate::keys::{self, *};
+use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
@@ -11,7 +11,7 @@ pub(crate) const SECTION: Section<'static> = Section {
     title: "The seam split by a geometry shader and by the CPU",
     text: "On Vulkan, 10 × 10 cells; a pixel shows its U in 24 bits. The geometry shader is the published one; the CPU \
            splits by the same rule before vertices are sent.",
-    cases: Select::With(keys::PART, PART),
+    cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("view", VIEW),
         ("split by", SPLIT_BY),
