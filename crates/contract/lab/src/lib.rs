@@ -35,5 +35,7 @@ pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
-pub use settling::{answers_with_commands, bench_command, full_command, with_commands};
+pub use settling::{
+    answers_with_commands, bench_command, full_command, scene_argument, with_commands,
+};
 pub use timings::{Timings, band_sentence, sums_by_process};

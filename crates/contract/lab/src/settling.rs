@@ -19,6 +19,21 @@ const NOT_REPEATED: [&str; 8] = [
     "shard",
 ];
 
+/// What to type for a scene that a run was given: `terrain/everest`, or a scene file, of one that calls itself
+/// `everest`.
+#[must_use]
+pub fn scene_argument<'a>(environment: &'a RunEnvironment, scene: &'a str) -> &'a str {
+    let own_name = |given: &str| {
+        let file = given.rsplit('/').next().unwrap_or(given);
+        file.strip_suffix(".toml").unwrap_or(file) == scene
+    };
+    let options = environment.options.iter();
+    let mut given = options
+        .filter_map(|line| line.strip_prefix("scenes="))
+        .flat_map(|scenes| scenes.split('+'));
+    given.find(|given| own_name(given)).unwrap_or(scene)
+}
+
 /// What to type to measure the same cases with so many processes.
 ///
 /// - `study`: alone, as others would only take time
@@ -40,7 +55,7 @@ pub fn bench_command(
     let mut words = vec![BENCH.to_owned()];
     match scene {
         "" => words.extend(values_of("scenes").map(str::to_owned)),
-        scene => words.push(scene.to_owned()),
+        scene => words.push(scene_argument(environment, scene).to_owned()),
     }
     words.push(format!("--study {study}"));
     words.extend(values_of("techniques").map(|name| format!("--technique {name}")));
@@ -165,6 +180,18 @@ mod tests {
             "terrafill bench hills --study globes --technique vertex --technique native --quick --size \
              512x256 --ablation planet-134 --processes 9"
         );
+        let folders = of(&["scenes=hills+terrain/everest+out/scenes/own.toml"]);
+        for (scene, given) in [
+            ("everest", "terrain/everest"),
+            ("own", "out/scenes/own.toml"),
+            ("hills", "hills"),
+            // Controls: of those that were given none, and a name that only ends alike.
+            ("california", "california"),
+            ("rest", "rest"),
+        ] {
+            let command = format!("terrafill bench {given} --study filling --processes 5");
+            assert_eq!(bench_command(&folders, "filling", scene, 5), command);
+        }
         // Control: a run of the default depth names none, and one without options is the default.
         assert_eq!(
             bench_command(&of(&["depth=main"]), "balls", "", 7),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Why a scene cannot be loaded.
 
-use crate::RegionLoadError;
+use crate::{RegionLoadError, choices};
 use serde::de::DeserializeOwned;
 use std::io;
 use std::path::PathBuf;
@@ -105,6 +105,17 @@ fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
         file: file.to_owned(),
         line: before.iter().filter(|&&b| b == b'\n').count() + 1,
         column: start - line_start + 1,
-        message: error.message().replace('\n', ", "),
+        message: one_line(error),
     }
+}
+
+/// The parser's words on one line; of the keys that there are, as many as one reads.
+pub(crate) fn one_line(error: &toml::de::Error) -> String {
+    let message = error.message().replace('\n', ", ");
+    let Some((problem, keys)) = message.split_once(", expected one of ") else {
+        return message;
+    };
+    let found = problem.split('`').nth(1).unwrap_or_default();
+    let keys = keys.split(", ").map(|key| key.trim_matches('`'));
+    format!("{problem}, allowed: {}", choices(found, keys))
 }

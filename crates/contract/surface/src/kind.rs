@@ -6,7 +6,7 @@ use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
-use terrafill_scene::{Scene, SurfaceChoice, SurfaceFile};
+use terrafill_scene::{Scene, SurfaceChoice, SurfaceFile, choices};
 use toml::Value;
 
 /// A kind of surface that scenes can name.
@@ -43,9 +43,9 @@ pub fn open_surface(
         are_files_read: false,
     };
     let Some(kind) = kinds.iter().find(|kind| kind.name() == choice.kind) else {
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+        let allowed = choices(&choice.kind, kinds.iter().map(|kind| kind.name()));
         let found = format!("{:?}", choice.kind);
-        return Err(parameters.refuse("kind", found, names.join(", ")));
+        return Err(parameters.refuse("kind", found, allowed));
     };
     let surface = kind.open(&scene.body, &mut parameters)?;
     parameters.refuse_unread()?;
@@ -121,9 +121,10 @@ impl Parameters<'_> {
             return Ok(default);
         };
         let known = allowed.iter().find(|word| Some(**word) == value.as_str());
-        known
-            .copied()
-            .ok_or_else(|| self.refuse(key, value, allowed.join(", ")))
+        known.copied().ok_or_else(|| {
+            let found = value.as_str().unwrap_or_default();
+            self.refuse(key, value, choices(found, allowed.iter().copied()))
+        })
     }
 
     /// One of a few things by name; the first where the scene names none.
@@ -199,7 +200,7 @@ impl<'a> Parameters<'a> {
         match stray.find(|(key, _)| !self.read.contains(&key.as_str())) {
             None => Ok(()),
             Some((key, value)) => {
-                let known = [&["kind"], self.read.as_slice()].concat().join(", ");
+                let known = choices(key, [&["kind"], self.read.as_slice()].concat());
                 Err(self.refuse(key, value, format!("only the keys {known}")))
             }
         }

@@ -85,6 +85,11 @@ pub(crate) fn is_compared(case: &Case) -> bool {
     Purpose::Main.is_of(case) || Purpose::Layout.is_of(case)
 }
 
+/// Whether a case is there for full plans to be compared with: a variant without their steps.
+pub(crate) fn is_control(case: &Case) -> bool {
+    Purpose::Layout.is_of(case) && !Purpose::Main.is_of(case) && !Purpose::FullPlan.is_of(case)
+}
+
 /// Whether a case stands on the curve of a sweep alone.
 pub(crate) fn is_point(case: &Case) -> bool {
     Purpose::Sweep.is_of(case) && !is_compared(case)

@@ -31,9 +31,11 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {
-    let findings = Own(cases.clone()).findings().into_iter();
+    let own = Own(cases.clone());
+    let findings = own.findings().into_iter();
     Answers {
         blocks: findings.map(Block::Finding).collect(),
+        requirements: own.twins().into_iter().collect(),
         ..Answers::default()
     }
 }

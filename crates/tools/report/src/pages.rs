@@ -105,11 +105,14 @@ struct Page<'a> {
 #[derive(Template)]
 #[template(path = "front.html")]
 struct Front<'a> {
-    verdict: Verdict,
+    /// Class of the verdict's bar.
+    class: &'static str,
     sentences: &'a [String],
     facts: Vec<(&'static str, Vec<String>)>,
     answers: Vec<AnswerView>,
-    requirements: Vec<RequirementGroup<'a>>,
+    requirements: Vec<Requirement<'a>>,
+    /// How many of them are met and are not; empty without any.
+    tally: String,
     lists: String,
     environment: &'a [(&'static str, String)],
     inputs: &'a [RunInput],
@@ -121,10 +124,61 @@ struct AnswerView {
     html: String,
 }
 
-struct RequirementGroup<'a> {
-    title: &'static str,
-    class: &'static str,
-    findings: Vec<&'a Finding>,
+/// A line of the checklist.
+struct Requirement<'a> {
+    standing: Met,
+    claim: &'a str,
+    /// By which figures, or why it is open.
+    because: &'a str,
+    /// What decides it; empty for what is decided.
+    command: &'a str,
+}
+
+/// Whether a requirement is met, in the order of the checklist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Met {
+    No,
+    Undecided,
+    Yes,
+}
+
+impl Met {
+    const ALL: [Self; 3] = [Self::Yes, Self::No, Self::Undecided];
+
+    fn of(standing: Standing) -> Self {
+        match standing {
+            Standing::Holds => Self::Yes,
+            Standing::DoesNotHold | Standing::NoDifference => Self::No,
+            Standing::CannotTell | Standing::NotMeasured | Standing::CannotBeTested => {
+                Self::Undecided
+            }
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Yes => "met",
+            Self::No => "not met",
+            Self::Undecided => "undecided",
+        }
+    }
+
+    fn mark(self) -> &'static str {
+        match self {
+            Self::Yes => "✓",
+            Self::No => "✗",
+            Self::Undecided => "?",
+        }
+    }
+
+    /// Class in the style sheet: that of a run's verdict.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Yes => Verdict::Good.class(),
+            Self::No => Verdict::Bad.class(),
+            Self::Undecided => Verdict::Incomplete.class(),
+        }
+    }
 }
 
 #[derive(Template)]
@@ -425,15 +479,18 @@ fn front(
         })
     });
     let answers: Vec<AnswerView> = answers.collect::<Result<_, askama::Error>>()?;
+    let parts = report.parts.iter();
+    let requirements = checklist(parts.flat_map(|(_, _, answers)| &answers.requirements));
     Front {
-        verdict: report.verdict,
+        class: bar(report.verdict, &requirements),
         sentences: &report.said.verdict,
         facts: facts(report),
         answers: answers
             .into_iter()
             .filter(|answer| !answer.html.trim().is_empty())
             .collect(),
-        requirements: requirements(report),
+        tally: tally(&requirements),
+        requirements,
         lists,
         environment: &report.environment,
         inputs: report.inputs,
@@ -478,39 +535,48 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, Vec<String>)> {
     facts
 }
 
-/// Requirements by what the figures say of them; nothing where no study requires anything.
-fn requirements<'a>(report: &'a Report<'_>) -> Vec<RequirementGroup<'a>> {
-    let all = || {
-        let parts = report.parts.iter();
-        parts.flat_map(|(_, _, answers)| &answers.requirements)
-    };
-    if all().next().is_none() {
-        return Vec::new();
+/// Requirements as lines, what is not met first.
+fn checklist<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> Vec<Requirement<'a>> {
+    let mut checklist: Vec<Requirement<'_>> = findings.into_iter().map(requirement).collect();
+    checklist.sort_by_key(|requirement| requirement.standing);
+    checklist
+}
+
+fn requirement(finding: &Finding) -> Requirement<'_> {
+    /// How a command begins; it ends the sentences before it.
+    const BENCH: &str = "terrafill bench ";
+    let begin = finding.because.find(BENCH);
+    let (because, command) = finding
+        .because
+        .split_at(begin.unwrap_or(finding.because.len()));
+    Requirement {
+        standing: Met::of(finding.standing),
+        claim: &finding.claim,
+        because,
+        command,
     }
-    let group = |title, class, standings: &[Standing]| RequirementGroup {
-        title,
-        class,
-        findings: all()
-            .filter(|finding| standings.contains(&finding.standing))
-            .collect(),
-    };
-    vec![
-        group("Met", "met", &[Standing::Holds]),
-        group(
-            "Not met",
-            "not-met",
-            &[Standing::DoesNotHold, Standing::NoDifference],
-        ),
-        group(
-            "Inconclusive",
-            "inconclusive",
-            &[
-                Standing::CannotTell,
-                Standing::NotMeasured,
-                Standing::CannotBeTested,
-            ],
-        ),
-    ]
+}
+
+/// `13 met, 1 not met`.
+fn tally(requirements: &[Requirement<'_>]) -> String {
+    let counts = Met::ALL.map(|standing| {
+        let own = requirements.iter().filter(|of| of.standing == standing);
+        (own.count(), standing.name())
+    });
+    let some = counts.iter().filter(|(count, _)| *count > 0);
+    let some: Vec<String> = some
+        .map(|(count, name)| format!("{count} {name}"))
+        .collect();
+    some.join(", ")
+}
+
+/// Class of the verdict's bar: that of a good run only where every requirement is met.
+fn bar(verdict: Verdict, requirements: &[Requirement<'_>]) -> &'static str {
+    let worst = requirements.iter().map(|of| of.standing).min();
+    match (verdict, worst) {
+        (Verdict::Good, Some(worst)) => worst.class(),
+        _ => verdict.class(),
+    }
 }
 
 /// The page with each command written out once: an element that repeats one has the first one's number among the
@@ -538,7 +604,44 @@ fn once(page: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::once;
+    use super::*;
+
+    #[test]
+    fn what_is_not_met_comes_first_and_what_is_open_names_its_command() {
+        let finding = |standing, because: &str| Finding {
+            claim: "It grows".to_owned(),
+            standing,
+            because: because.to_owned(),
+        };
+        let command = "terrafill bench --study balls --processes 5";
+        let open = format!("No device. To measure it: {command}");
+        let findings = [
+            finding(Standing::Holds, "2 px"),
+            finding(Standing::NotMeasured, &open),
+            finding(Standing::NoDifference, "1.00 ×"),
+        ];
+        let lines: Vec<Requirement<'_>> = checklist(&findings);
+        let words: Vec<[&str; 3]> = lines
+            .iter()
+            .map(|line| [line.standing.name(), line.because, line.command])
+            .collect();
+        assert_eq!(
+            words,
+            [
+                ["not met", "1.00 ×", ""],
+                ["undecided", "No device. To measure it: ", command],
+                ["met", "2 px", ""],
+            ]
+        );
+        assert_eq!(tally(&lines), "1 met, 1 not met, 1 undecided");
+        // A bar is green only where all is met, and what is wrong is not mended by that.
+        let bar_of = |findings: &[Finding]| bar(Verdict::Good, &checklist(findings));
+        assert_eq!(bar_of(&findings), "bad");
+        assert_eq!(bar_of(&findings[..2]), "incomplete");
+        assert_eq!(bar_of(&findings[..1]), "good");
+        assert_eq!(bar_of(&[]), "good");
+        assert_eq!(bar(Verdict::Bad, &checklist(&findings[..1])), "bad");
+    }
 
     #[test]
     fn a_command_is_written_once_and_found_again_by_its_number() {

@@ -50,6 +50,8 @@ impl Verdict {
 pub struct Counts {
     /// Right, and measured as often as planned.
     pub ok: usize,
+    /// Of these, cases whose error is the question: they may be wrong, and are not.
+    pub ok_as_result: usize,
     /// Wrong.
     pub wrong: usize,
     /// Of these, cases whose error is the question, so that a wrong answer is a result.
@@ -66,13 +68,15 @@ pub struct Counts {
 
 impl Counts {
     pub(crate) fn of(run: &Run) -> Self {
+        let as_result = |outcome| {
+            let is_one = |case: &Case| case.outcome == outcome && case.planned.may_be_wrong;
+            that_are(run, is_one).count()
+        };
         Self {
             ok: run.count(Outcome::Ok),
+            ok_as_result: as_result(Outcome::Ok),
             wrong: run.count(Outcome::Wrong),
-            wrong_as_result: that_are(run, |case| {
-                case.outcome == Outcome::Wrong && case.planned.may_be_wrong
-            })
-            .count(),
+            wrong_as_result: as_result(Outcome::Wrong),
             skipped: run.count(Outcome::Skipped),
             failed: run.count(Outcome::Failed),
             driver_fault: run.count(Outcome::DriverFault),
@@ -171,21 +175,26 @@ impl Sentences {
 
 pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sentences {
     let total = counts.total();
+    let number = |number: usize| count(number as u64);
     let mut verdict = vec![format!(
-        "{}: {} right, {} wrong{}, {} skipped, {} failed, {} missing{}.",
+        "{}: {} right, {} wrong, {} skipped, {} failed, {} missing{}{}.",
         plural(total, "case"),
-        count(counts.ok as u64),
-        count((counts.wrong - counts.wrong_as_result) as u64),
-        match counts.wrong_as_result {
-            0 => String::new(),
-            some => format!(", {some} wrong whose error is what is measured"),
-        },
-        count(counts.skipped as u64),
-        count(counts.failed as u64),
-        count(counts.missing as u64),
+        number(counts.ok - counts.ok_as_result),
+        number(counts.wrong - counts.wrong_as_result),
+        number(counts.skipped),
+        number(counts.failed),
+        number(counts.missing),
         match counts.driver_fault {
             0 => String::new(),
             some => format!("; {some} differ by a known driver fault"),
+        },
+        match counts.ok_as_result + counts.wrong_as_result {
+            0 => String::new(),
+            some => format!(
+                "; {} more may be wrong, as their error is measured (wrong: {})",
+                number(some),
+                number(counts.wrong_as_result)
+            ),
         }
     )];
     let defects = named(run, is_defect);
@@ -315,6 +324,7 @@ mod tests {
     fn a_run_is_as_good_as_its_worst_case() {
         let counts = |ok, wrong, wrong_as_result, failed, missing| Counts {
             ok,
+            ok_as_result: 0,
             wrong,
             wrong_as_result,
             skipped: 3,

@@ -267,8 +267,13 @@ fn a_wrong_answer_that_is_the_question_does_not_spoil_the_verdict() {
     run.cases[1].may_be_wrong = true;
     let found = report(&run);
     assert_eq!(found.written.verdict, Verdict::Good);
-    let sentence = "0 wrong, 1 wrong whose error is what is measured";
-    assert!(found.html.contains(sentence));
+    let sentence = "2 cases: 1 right, 0 wrong, 0 skipped, 0 failed, 0 missing; 1 more may be wrong, as \
+                    their error is measured (wrong: 1).";
+    assert!(found.html.contains(sentence), "{}", found.html);
+    run.cases[0].may_be_wrong = true;
+    let sentence = "2 cases: 0 right, 0 wrong, 0 skipped, 0 failed, 0 missing; 2 more may be wrong, as \
+                    their error is measured (wrong: 1).";
+    assert!(report(&run).html.contains(sentence));
 }
 
 #[test]
@@ -536,11 +541,13 @@ fn pages_refer_to_files_that_are_there_and_to_nothing_else() {
 
 #[test]
 fn the_first_page_answers_and_what_is_required_is_met_or_not() {
-    let group = |html: &str, class: &str| {
-        let start = html
-            .find(&format!("<div class=\"{class}\">"))
-            .expect("the group");
-        html[start..start + html[start..].find("</div>").expect("its end")].to_owned()
+    let line = |html: &str| {
+        let list = html
+            .split_once("<ul class=\"checklist\">")
+            .expect("a list")
+            .1;
+        let (list, _) = list.split_once("</ul>").expect("its end");
+        list.trim().to_owned()
     };
     let found = report(&mixed_run());
     assert!(found.index.contains("<dd>1 of 5 compared</dd>"));
@@ -549,8 +556,9 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
             .index
             .contains("llvmpipe (software: it runs on the CPU)")
     );
-    assert!(group(&found.index, "not-met").contains("All are right."));
-    assert!(!group(&found.index, "met").contains("All are right."));
+    let not_met = line(&found.index);
+    assert!(not_met.starts_with("<li class=\"bad\">") && not_met.contains("All are right."));
+    assert!(found.index.contains("Requirements</a>: 1 not met.</p>"));
     assert!(
         found
             .markdown
@@ -566,7 +574,8 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
     let mut good = mixed_run();
     good.cases.truncate(1);
     let good = report(&good);
-    assert!(group(&good.index, "met").contains("All are right."));
+    let met = line(&good.index);
+    assert!(met.starts_with("<li class=\"good\">") && met.contains("All are right."));
 }
 
 #[test]

@@ -346,10 +346,10 @@ pub(crate) struct ReportArguments {
 }
 
 const SET_HELP: &str = "\
-Switch of the technique or of the plan, or a variant as a
-report names it; may be repeated: layout=pulled,
-gs-line,scissor=volumes … --list-switches lists all;
-full-plan sets all that gains";
+Draw this variant in place of the technique's full plan:
+a name from a report (doubled: bare) or switches, such as
+layout=pulled,walls=list; may be repeated; after full-plan
+they change that plan";
 
 const FIT_HELP: &str = "\
 SCENE is a GeoJSON file: on WGS 84, by planar edges, seen

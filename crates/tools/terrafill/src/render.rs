@@ -173,7 +173,8 @@ fn find_view<'a>(scene: &'a Scene, name: Option<&str>) -> Result<&'a View, Failu
 /// Word for all that the top of a technique's ablation sets, in place of what was set before.
 const FULL_PLAN: &str = "full-plan";
 
-/// What `--technique` and `--set` ask for.
+/// What `--technique` and `--set` ask for: without switches a technique's full plan, with them the variant that they
+/// name, as reports do.
 struct Wanted {
     /// `None`: the reference.
     subject: Option<(&'static dyn Technique, Variant)>,
@@ -184,8 +185,17 @@ struct Wanted {
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
     let technique = technique(&arguments.technique);
+    let full_plan = |technique: &dyn Technique| technique.full_plans(scene.overlap).pop();
+    let subject = technique.map(|technique| {
+        let unset = arguments.set.is_empty();
+        let variant = Some(technique).filter(|_| unset).and_then(full_plan);
+        (
+            technique,
+            variant.unwrap_or_else(|| technique.main(scene.overlap)),
+        )
+    });
     let mut wanted = Wanted {
-        subject: technique.map(|technique| (technique, technique.main(scene.overlap))),
+        subject,
         mesh: scene.mesh,
         is_textured: false,
     };
@@ -208,7 +218,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
             continue;
         };
         if let Some(technique) = technique.filter(|_| switch == FULL_PLAN) {
-            let Some(top) = technique.full_plans(scene.overlap).pop() else {
+            let Some(top) = full_plan(technique) else {
                 return Err(refuse(&allowed_switches(variant, key)));
             };
             *variant = top;
@@ -451,8 +461,13 @@ mod tests {
         technique: &dyn Technique,
         switches: &str,
     ) -> Vec<(&'static str, String)> {
+        let set = if switches.is_empty() {
+            String::new()
+        } else {
+            format!(" --set {switches}")
+        };
         let line = format!(
-            "terrafill render {} --view globe --technique {} --set {switches} --out a.png",
+            "terrafill render {} --view globe --technique {}{set} --out a.png",
             scene.name,
             technique.name()
         );
@@ -498,6 +513,27 @@ mod tests {
                     }
                     assert_ne!(variant.settings(), full_plan.settings(), "{fewer:?}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn without_switches_a_technique_draws_its_full_plan() {
+        let mut scene = Scene::open("california", None).expect("ships");
+        for overlap in [Overlap::Disjoint, Overlap::Ordered] {
+            scene.overlap = overlap;
+            for technique in TECHNIQUES {
+                let bare = technique.main(overlap);
+                let drawn = set(&scene, *technique, "");
+                let Some(top) = technique.full_plans(overlap).pop() else {
+                    assert_eq!(drawn, bare.settings(), "{}", technique.name());
+                    continue;
+                };
+                assert_eq!(drawn, top.settings(), "{}", technique.name());
+                assert_eq!(set(&scene, *technique, FULL_PLAN), drawn);
+                // Negative control: by its name the bare variant is another one.
+                assert_eq!(set(&scene, *technique, &bare.name()), bare.settings());
+                assert_ne!(bare.settings(), drawn, "{}", technique.name());
             }
         }
     }

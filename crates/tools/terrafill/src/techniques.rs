@@ -41,6 +41,8 @@ struct Switch {
     values: Vec<String>,
     /// On scenes whose regions do not overlap.
     default: String,
+    /// The same in the technique's full plan, which `render` draws without `--set`; none of a technique without one.
+    full_plan: Option<String>,
     /// What it decides, in a line.
     meaning: &'static str,
     /// Whether other techniques lack it.
@@ -60,6 +62,9 @@ impl ListedTechnique {
     fn new(technique: &dyn Technique) -> Self {
         let main = technique.main(Overlap::Disjoint);
         let mut defaults: BTreeMap<&str, String> = main.settings().into_iter().collect();
+        let full_plan = technique.full_plans(Overlap::Disjoint).pop();
+        let full_plan: BTreeMap<&str, String> =
+            full_plan.iter().flat_map(Variant::settings).collect();
         let tolerance_m = MeshOptions::default().boundary_tolerance_m;
         defaults.insert(BOUNDARY_TOLERANCE, tolerance_m.to_string());
         let switches = switches(&main)
@@ -68,6 +73,7 @@ impl ListedTechnique {
                 key: key.to_owned(),
                 values: values.into_iter().map(str::to_owned).collect(),
                 default: defaults.get(key).cloned().unwrap_or_default(),
+                full_plan: full_plan.get(key).cloned(),
                 meaning,
                 own: technique.parameters().iter().any(|own| own.key == key),
             });
@@ -91,7 +97,11 @@ impl Switch {
     fn line(&self) -> String {
         /// Narrower than the 100 columns of help, as values stand behind the key.
         const WIDTH: usize = 70;
-        let values = format!("{}; default {}", self.values.join("|"), self.default);
+        let full_plan = self.full_plan.as_ref();
+        let full_plan = full_plan.filter(|value| **value != self.default);
+        let full_plan = full_plan.map_or_else(String::new, |value| format!("; full plan {value}"));
+        let values = self.values.join("|");
+        let values = format!("{values}; default {}{full_plan}", self.default);
         let mut lines = [wrapped(self.meaning, WIDTH), wrapped(&values, WIDTH)].concat();
         lines
             .iter_mut()
@@ -130,7 +140,9 @@ fn listed() -> Vec<ListedTechnique> {
 /// Each technique with the switches that it alone has, and those that all have.
 pub(crate) fn text() -> String {
     let listed = listed();
-    let mut text = String::new();
+    let mut text =
+        "default: of a variant that --set names; full plan: of a picture without --set\n"
+            .to_owned();
     for technique in &listed {
         text += &format!(
             "{} ({}{})\n{}",
@@ -185,6 +197,28 @@ mod tests {
         }
         // Negative control: a key that nothing has.
         assert!(!text().contains("    speed "));
+    }
+
+    #[test]
+    fn what_is_said_of_all_full_plans_is_so_in_each() {
+        let shared = |listed: &ListedTechnique| -> Vec<(String, Option<String>)> {
+            let switches = listed.switches.iter().filter(|switch| !switch.own);
+            let planned = switches.filter(|switch| switch.full_plan.is_some());
+            planned
+                .map(|switch| (switch.key.clone(), switch.full_plan.clone()))
+                .collect()
+        };
+        let listed = listed();
+        let first = shared(&listed[0]);
+        let with_plans = listed.iter().map(shared).filter(|own| !own.is_empty());
+        assert!(with_plans.clone().count() > 1);
+        for own in with_plans {
+            assert_eq!(own, first);
+        }
+        // Negative control: by default they are other ones.
+        let switches = listed[0].switches.iter().filter(|switch| !switch.own);
+        let planned = switches.filter(|switch| switch.full_plan.as_ref() != Some(&switch.default));
+        assert!(planned.count() > 5);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::sources::{RegionSource, SurfaceSource};
 use crate::scene::{SurfaceFile, View};
 use crate::shipped;
 use crate::suite::Expectation;
-use crate::{CameraPose, DataFile, DataNeed, LevelChoice, SceneError};
+use crate::{CameraPose, DataFile, DataNeed, LevelChoice, SceneError, choices};
 use std::ops::RangeInclusive;
 use terrafill_core::{Ellipsoid, Geodetic, MeshOptions, Repair};
 
@@ -38,6 +38,16 @@ impl Check<'_> {
         }
     }
 
+    /// A name that is none of some.
+    pub(super) fn refuse_name<'n>(
+        &self,
+        key: impl Into<String>,
+        found: &str,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> SceneError {
+        self.refuse(key, format!("{found:?}"), choices(found, names))
+    }
+
     /// Names become parts of file names and CSV cells.
     pub(super) fn name(&self, key: &str, name: String) -> Result<String, SceneError> {
         let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
@@ -48,10 +58,8 @@ impl Check<'_> {
     }
 
     pub(super) fn body(&self, name: &str) -> Result<Ellipsoid, SceneError> {
-        Ellipsoid::by_name(name).ok_or_else(|| {
-            let names = Ellipsoid::ALL.map(|body| body.name());
-            self.refuse("body", format!("{name:?}"), names.join(", "))
-        })
+        let allowed = Ellipsoid::ALL.map(|body| body.name());
+        Ellipsoid::by_name(name).ok_or_else(|| self.refuse_name("body", name, allowed))
     }
 
     /// One of two values by its name; the first where the key is absent.
@@ -68,7 +76,7 @@ impl Check<'_> {
         values
             .into_iter()
             .find(|value| name_of(*value) == found)
-            .ok_or_else(|| self.refuse(key, format!("{found:?}"), values.map(name_of).join(", ")))
+            .ok_or_else(|| self.refuse_name(key, found, values.map(name_of)))
     }
 
     pub(super) fn within(
@@ -142,11 +150,7 @@ impl Check<'_> {
             }
             (None, Some(name), None, None) => match shipped::data_text(&name) {
                 Some(text) => Ok(RegionSource::Embedded { name, text }),
-                None => Err(self.refuse(
-                    "regions.embedded",
-                    format!("{name:?}"),
-                    shipped::data_names().join(", "),
-                )),
+                None => Err(self.refuse_name("regions.embedded", &name, shipped::data_names())),
             },
             (None, None, Some(text), None) => Ok(RegionSource::Inline(text)),
             (None, None, None, Some(procedural)) => {
@@ -247,11 +251,10 @@ impl Check<'_> {
                         path: name,
                         bytes: bytes.into(),
                     })),
-                    None => Err(self.refuse(
-                        format!("{key}.embedded"),
-                        format!("{name:?}"),
-                        shipped::height_names().join(", "),
-                    )),
+                    None => {
+                        let key = format!("{key}.embedded");
+                        Err(self.refuse_name(key, &name, shipped::height_names()))
+                    }
                 }
             }
             (path, _) => {

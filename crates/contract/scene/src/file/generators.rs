@@ -4,6 +4,7 @@
 use super::check::Check;
 use super::raw::{RawCells, RawCoast, RawIslands, RawNested, RawProcedural};
 use crate::SceneError;
+use crate::error::one_line;
 use crate::generated::{Cells, Coast, Nested};
 use crate::procedural::Islands;
 
@@ -23,8 +24,8 @@ impl Check<'_> {
             "cells" => later(self.cells(&self.keys(raw.keys)?)?, Cells::geojson),
             "coast" => later(self.coast(&self.keys(raw.keys)?)?, Coast::geojson),
             other => {
-                let (found, allowed) = (format!("{other:?}"), "islands, nested, cells, coast");
-                return Err(self.refuse("regions.procedural.kind", found, allowed));
+                let kinds = ["islands", "nested", "cells", "coast"];
+                return Err(self.refuse_name("regions.procedural.kind", other, kinds));
             }
         })
     }
@@ -36,7 +37,7 @@ impl Check<'_> {
     ) -> Result<T, SceneError> {
         let found = keys.keys().cloned().collect::<Vec<_>>().join(", ");
         keys.try_into().map_err(|error: toml::de::Error| {
-            self.refuse("regions.procedural", found, error.message().to_owned())
+            self.refuse("regions.procedural", found, one_line(&error))
         })
     }
 

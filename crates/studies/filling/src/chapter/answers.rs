@@ -9,7 +9,7 @@ use super::data::{Data, ViewCases, grouped, is_baseline, label};
 use super::table::or_dash;
 use super::{fronts, memory, needs, take, textured};
 use crate::keys::*;
-use crate::purpose::{Purpose, is_approximate};
+use crate::purpose::{Purpose, is_approximate, is_control};
 use terrafill_conformance::MAX_ROUNDED_PX;
 use terrafill_lab::{in_every_group, none_differs, some_of};
 use terrafill_plot::dotted;
@@ -176,8 +176,8 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     Some(Row::named(name, cells))
 }
 
-/// The answer for a terminal: of each view the fastest fill of each technique, the best first; empty where none was
-/// timed.
+/// The answer for a terminal: of each view the fastest fill of each technique, the best first, then the same of the
+/// variants that full plans are compared with; empty where none was timed.
 #[must_use]
 pub fn answer_text(run: &Run) -> String {
     let data = Data::new(run);
@@ -185,16 +185,19 @@ pub fn answer_text(run: &Run) -> String {
     let mut rows = vec![headings.map(str::to_owned)];
     for view in &data.views {
         let contest = Contest::new(&data, view);
-        let fills = contest.fills.iter().copied();
-        let techniques = grouped(fills, |case| case.condition(TECHNIQUE));
-        let fastest = techniques.iter().filter_map(|(_, fills)| fills.first());
-        for (place, fill) in fastest.enumerate() {
-            if place == 0 {
-                let mut title: [String; 5] = Default::default();
-                title[0] = view.title();
-                rows.push(title);
+        let (controls, fills) = contest.fills.iter().partition(|case| is_control(case));
+        let controls: Vec<&Case> = controls;
+        for (fills, kind) in [(fills, ""), (controls, ", controls")] {
+            let techniques = grouped(fills, |case| case.condition(TECHNIQUE));
+            let fastest = techniques.iter().filter_map(|(_, fills)| fills.first());
+            for (place, fill) in fastest.enumerate() {
+                if place == 0 {
+                    let mut title: [String; 5] = Default::default();
+                    title[0] = view.title() + kind;
+                    rows.push(title);
+                }
+                rows.push(terminal_row(&data, &contest, fill));
             }
-            rows.push(terminal_row(&data, &contest, fill));
         }
     }
     if rows.len() == 1 {

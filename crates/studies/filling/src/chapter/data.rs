@@ -2,10 +2,12 @@
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
 use crate::keys::*;
-use crate::purpose::{BOOKKEEPING, Purpose, is_approximate, is_listed, is_point, switches};
+use crate::purpose::{
+    BOOKKEEPING, Purpose, is_approximate, is_control, is_listed, is_point, switches,
+};
 use crate::request::STUDY;
 use std::cell::OnceCell;
-use terrafill_lab::{Answer, Cases, Comparison, Follows, Timings, band_sentence};
+use terrafill_lab::{Answer, Cases, Comparison, Follows, Timings, band_sentence, scene_argument};
 pub(super) use terrafill_lab::{distinct, grouped};
 use terrafill_plot::Palette;
 use terrafill_plot::number::significant;
@@ -81,7 +83,7 @@ pub(super) struct ViewCases<'a> {
     pub(super) all: Vec<&'a Case>,
     /// Full-screen passes.
     pub(super) baselines: Vec<&'a Case>,
-    /// Techniques.
+    /// Techniques, those in their full plans before those that these are compared with.
     pub(super) cases: Vec<&'a Case>,
     /// What users would pick instead; they compete with nothing.
     pub(super) rivals: Vec<&'a Case>,
@@ -92,9 +94,10 @@ impl<'a> ViewCases<'a> {
         let listed = all.iter().copied().filter(|case| is_listed(case));
         let (baselines, others) = listed.partition(|case| is_baseline(case));
         let others: Vec<&Case> = others;
-        let (rivals, cases) = others
+        let (rivals, mut cases): (Vec<&Case>, Vec<&Case>) = others
             .into_iter()
             .partition(|case| Purpose::Rival.is_of(case));
+        cases.sort_by_key(|case| is_control(case));
         Self {
             scene,
             name,
@@ -109,9 +112,9 @@ impl<'a> ViewCases<'a> {
         format!("{}, {}", self.scene, self.name)
     }
 
-    /// Those in its table: full-screen passes, techniques, rivals.
+    /// Those in its table: techniques, full-screen passes, rivals.
     pub(super) fn listed(&self) -> impl Iterator<Item = &'a Case> + Clone + '_ {
-        let lists = [&self.baselines, &self.cases, &self.rivals];
+        let lists = [&self.cases, &self.baselines, &self.rivals];
         lists.into_iter().flatten().copied()
     }
 
@@ -310,6 +313,7 @@ impl<'a> Data<'a> {
         // Every switch by name and value: what a word sets changes from commit to commit.
         let [scene, view, technique, variant] =
             [SCENE, VIEW, TECHNIQUE, VARIANT].map(|key| case.condition(key));
+        let scene = scene_argument(environment, scene);
         format!(
             "terrafill render {scene} --view {view} --technique {technique} --set {variant}{size} --out picture.png"
         )

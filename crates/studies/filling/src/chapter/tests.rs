@@ -1630,6 +1630,20 @@ fn a_terminal_has_the_best_fill_of_each_technique() {
         assert!(line.starts_with(name) && line.ends_with(over), "{line}");
         assert!(line.contains(time) && line.contains(bytes), "{line}");
     }
+    // What full plans are compared with stands behind them, and takes part in what is the best.
+    let mut run = best_of(21.0);
+    let is_doubled = |case: &MadeUpCase| case.id.name.ends_with("vertex/doubled");
+    let control = run.cases.iter_mut().find(|case| is_doubled(case));
+    let conditions = &mut control.expect("it is measured").id.conditions;
+    conditions.insert("role".to_owned(), "layout".to_owned());
+    let found = lines(&run);
+    let firsts: Vec<&str> = found.iter().map(|line| line.trim_start()).collect();
+    let [_, _, plan, _, title, behind] = &firsts[..] else {
+        panic!("{found:#?}");
+    };
+    assert!(plan.starts_with("vertex/pulled ") && !plan.ends_with(" 1.00"));
+    assert_eq!(*title, "s, globe, controls");
+    assert!(behind.starts_with("vertex/doubled ") && behind.ends_with(" 1.00"));
     // Negative controls: a wrong fill is none, and nothing is said of a run without fills.
     let mut wrong = best_of(21.0);
     wrong.cases[0].ended(Status::Wrong, "41 pixels");
@@ -1686,12 +1700,16 @@ fn full_plans_are_drawn_again_by_their_switches() {
         timed(&mut run, &key, &[("role", role)], 20.0)
             .figure("geometry_bytes", 1_000.0)
             .figure("mismatched_px", 0.0);
-        let found = answers(&run);
-        let command = &tables(&found.blocks)[0].rows[0].cells[1].command;
-        let expected = format!(
-            "terrafill render s --view globe --technique vertex --set {set} --out picture.png"
-        );
-        assert_eq!(*command, expected);
+        // By the name that the run was given: scenes in folders have no other.
+        for (given, scene) in [("r", "s"), ("r+terrain/s", "terrain/s")] {
+            run.environment.options = vec![format!("scenes={given}")];
+            let found = answers(&run);
+            let command = &tables(&found.blocks)[0].rows[0].cells[1].command;
+            let expected = format!(
+                "terrafill render {scene} --view globe --technique vertex --set {set} --out picture.png"
+            );
+            assert_eq!(*command, expected);
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::Own;
 use crate::metrics::*;
-use terrafill_lab::{measured, range};
+use terrafill_lab::{measured, none_differs, range};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};
 
@@ -64,7 +64,6 @@ impl Own<'_> {
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of_masks = [
             self.masks(),
-            self.twins(),
             self.eye_test(),
             self.eyes_elsewhere(),
             self.pass_is_faster(),
@@ -97,7 +96,7 @@ impl Own<'_> {
     }
 
     /// What must be wrong, and by how much it is.
-    fn twins(&self) -> Option<Finding> {
+    pub(super) fn twins(&self) -> Option<Finding> {
         let of = |(name, question, key, twin): &(&'static str, &str, ConditionKey, &str)| {
             let all = self.of_question(question);
             let own = all.filter(|case| case.condition(*key) == *twin);
@@ -109,14 +108,16 @@ impl Own<'_> {
             Some((*name, wrong.reduce(f64::max)?))
         };
         let known: Vec<(&str, f64)> = TWINS.iter().filter_map(of).collect();
-        let text = known.iter();
-        let text = text.map(|(name, most)| format!("{name}: {}", number(*most)));
-        let text = joined(text, ", ")?;
-        Some(finding(
-            "Twins that must be wrong are.",
-            known.iter().all(|(_, most)| *most > 0.0),
-            format!("So many pixels, contour pixels or open edges are wrong at most: {text}"),
-        ))
+        let (wrong, right): (Vec<_>, Vec<_>) = known.iter().partition(|(_, most)| *most > 0.0);
+        let right: Vec<String> = right.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let most = wrong.iter();
+        let most = most.map(|(name, most)| format!("{name}: {}", number(*most)));
+        let what = joined(most, ", ").map_or_else(
+            || "are".to_owned(),
+            |most| format!("are, at most by so many pixels, contour pixels or open edges: {most}"),
+        );
+        let claim = "Pictures and hulls that must be wrong are wrong.";
+        (!known.is_empty()).then(|| none_differs(claim, known.len(), &right, &what))
     }
 
     /// Every rule and extent against the reference.

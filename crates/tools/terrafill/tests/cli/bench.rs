@@ -65,12 +65,16 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     let counts = format!("{QUICK}{all} right, 0 wrong, 0 failed, 0 skipped");
     assert!(text.starts_with(&counts), "{text}");
     assert!(text.ends_with("report: run/index.html\n"), "{text}");
-    // Each view has its table: the best fill of each technique.
+    // Each view has its tables: the best full plan of each technique, then what they are compared with.
     for view in ["globe", "top-down", "horizon"] {
         let own = text.split_once(&format!("\ncalifornia, {view}\n"));
-        let own: Vec<&str> = own.expect(view).1.lines().take(3).collect();
-        assert!(own.iter().all(|line| line.starts_with("  ")), "{text}");
-        assert!(own[0].ends_with(" 1.00"), "{text}");
+        let own: Vec<&str> = own.expect(view).1.lines().take(7).collect();
+        assert_eq!(own[3], format!("california, {view}, controls"));
+        for (plan, control) in own[..3].iter().zip(&own[4..]) {
+            assert!(plan.starts_with("  ") && plan.contains(", full plan"));
+            assert!(control.starts_with("  ") && !control.contains(", full plan"));
+        }
+        assert!(own.iter().any(|line| line.ends_with(" 1.00")), "{text}");
     }
     // Negative control: a full-screen pass is no fill.
     assert!(!text.contains("depth-pass"), "{text}");
