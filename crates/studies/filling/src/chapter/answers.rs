@@ -185,8 +185,8 @@ pub fn answer_text(run: &Run) -> String {
     let mut rows = vec![headings.map(str::to_owned)];
     for view in &data.views {
         let contest = Contest::new(&data, view);
-        let (controls, fills) = contest.fills.iter().partition(|case| is_control(case));
-        let controls: Vec<&Case> = controls;
+        let fills = contest.fills.iter().copied();
+        let (controls, fills): (Vec<&Case>, Vec<&Case>) = fills.partition(|case| is_control(case));
         for (fills, kind) in [(fills, ""), (controls, ", controls")] {
             let techniques = grouped(fills, |case| case.condition(TECHNIQUE));
             let fastest = techniques.iter().filter_map(|(_, fills)| fills.first());
