@@ -320,11 +320,11 @@ fn unknown_keys_missing_keys_and_wrong_types_name_their_line() {
         (
             broken("description", "summary"),
             "t.toml:2:1: unknown field `summary`, allowed: name, description, body, edges, overlap, regions, surface, \
-             mesh, levels, views … and 5 more",
+             mesh, levels, views … and 4 more",
         ),
         (
             broken("description", "descripton"),
-            "views … and 5 more; did you mean \"description\"?",
+            "views … and 4 more; did you mean \"description\"?",
         ),
         (
             broken("pitch_deg = -90", "pitch = -90"),

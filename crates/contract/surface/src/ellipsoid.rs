@@ -108,7 +108,7 @@ mod tests {
             ),
             (
                 "row = 90",
-                "row: found 90, allowed: only the keys kind, rows",
+                "row: found 90, allowed: only the keys kind, rows; did you mean \"rows\"?",
             ),
         ] {
             let expected = format!("t.toml: surface.{wrong}");

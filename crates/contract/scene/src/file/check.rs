@@ -41,7 +41,7 @@ impl Check<'_> {
     /// A name that is none of some.
     pub(super) fn refuse_name<'n>(
         &self,
-        key: impl Into<String>,
+        key: &str,
         found: &str,
         names: impl IntoIterator<Item = &'n str>,
     ) -> SceneError {
@@ -150,7 +150,11 @@ impl Check<'_> {
             }
             (None, Some(name), None, None) => match shipped::data_text(&name) {
                 Some(text) => Ok(RegionSource::Embedded { name, text }),
-                None => Err(self.refuse_name("regions.embedded", &name, shipped::data_names())),
+                None => Err(self.refuse(
+                    "regions.embedded",
+                    format!("{name:?}"),
+                    shipped::data_names().join(", "),
+                )),
             },
             (None, None, Some(text), None) => Ok(RegionSource::Inline(text)),
             (None, None, None, Some(procedural)) => {
@@ -251,10 +255,11 @@ impl Check<'_> {
                         path: name,
                         bytes: bytes.into(),
                     })),
-                    None => {
-                        let key = format!("{key}.embedded");
-                        Err(self.refuse_name(key, &name, shipped::height_names()))
-                    }
+                    None => Err(self.refuse(
+                        format!("{key}.embedded"),
+                        format!("{name:?}"),
+                        shipped::height_names().join(", "),
+                    )),
                 }
             }
             (path, _) => {
