@@ -15,13 +15,17 @@ const MAX_PRINTED_PAGES = 12;
 // As axe grades what keeps a reader out.
 const GRAVE = ["serious", "critical"];
 
+// What a reader may open is opened: what a page holds must be sound, folded or not.
+const unfold = (page) => page.$$eval("details:not(.wipe)", (all) => { for (const details of all) details.open = true; });
+
 // Opens a page and collects what it says on the console.
 async function open(browser, url, width, scheme, problems) {
   const page = await browser.newPage();
   page.on("console", (said) => { if (["error", "warning"].includes(said.type())) problems.push(`console: ${said.text()}`); });
   page.on("pageerror", (error) => problems.push(`script: ${error.message}`));
   page.on("requestfailed", (request) => problems.push(`not loaded: ${request.url()}`));
-  await page.setViewport({ width, height: 900 });
+  // A phone shows all of the widest line, so that what is too wide makes all else small.
+  await page.setViewport({ width, height: 900, isMobile: width < 600 });
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }]);
   await page.goto(url, { waitUntil: "load" });
   return page;
@@ -31,8 +35,15 @@ async function open(browser, url, width, scheme, problems) {
 async function look(browser, url, width, scheme) {
   const problems = [];
   const page = await open(browser, url, width, scheme, problems);
-  const [needed, given] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
-  if (needed > given) problems.push(`scrolls sideways: ${needed} px wide`);
+  await unfold(page);
+  const needed = await page.evaluate(() => document.documentElement.scrollWidth);
+  if (needed > width) problems.push(`scrolls sideways: ${needed} px wide`);
+  const broken = await page.$$eval("img[src]", (all) => Promise.all(all.map((img) => {
+    img.loading = "eager";
+    return img.decode().then(() => "", () => img.alt || img.getAttribute("src").slice(0, 60));
+  })));
+  const names = broken.filter(Boolean);
+  if (names.length) problems.push(`broken pictures: ${names.length}: ${names.slice(0, 3).join(", ")}`);
   await page.evaluate(axe);
   const found = await page.evaluate(() => axe.run(document, { resultTypes: ["violations"], preload: false }));
   for (const violation of found.violations.filter((v) => GRAVE.includes(v.impact))) {
@@ -50,6 +61,17 @@ async function use(browser, url, tried) {
   const count = (what) => { tried[what] = (tried[what] || 0) + 1; };
   const expect = (ok, what) => { count(what); if (!ok) problems.push(`fails: ${what}`); };
 
+  const folded = await page.$$eval("nav a[href^='#']", (links) => links
+    .map((link) => link.getAttribute("href"))
+    .find((href) => { const at = document.getElementById(href.slice(1)); return at && at.closest("details:not([open])"); }));
+  if (folded) {
+    const isOpen = () => page.$eval(folded, (at) => !at.closest("details:not([open])"));
+    await page.click(`nav a[href='${folded}']`);
+    expect(await isOpen(), "a link opens what is folded");
+    await page.reload({ waitUntil: "load" });
+    expect(page.url().endsWith(folded) && await isOpen(), "an address opens what is folded");
+  }
+  await unfold(page);
   if (await page.$(".tools input[type=search]")) {
     const rows = () => page.$eval(".tools input[type=search]", (input) => {
       const table = input.closest(".tools").nextElementSibling.querySelector("table");
@@ -58,6 +80,9 @@ async function use(browser, url, tried) {
     const all = await rows();
     await page.type(".tools input[type=search]", "no-row-has-this");
     expect(await rows() === 0 && all > 0, "a filter hides rows");
+    await page.setViewport({ width: 390, height: 900 });
+    expect(await rows() === 0, "a filter hides rows that are cards");
+    await page.setViewport({ width: 1400, height: 900 });
     const address = page.url();
     expect(address.includes("no-row-has-this"), "the address keeps the filter");
     const again = await open(browser, address, 1400, "light", problems);
@@ -87,6 +112,8 @@ async function use(browser, url, tried) {
     const found = await page.$$(selector);
     for (const mark of found) {
       if (!await mark.evaluate((m) => m.getClientRects().length > 0)) continue;
+      // A pointer that rests where the mark comes to lie would not enter it again.
+      await page.mouse.move(0, 0);
       await mark.evaluate((m) => { m.focus(); });
       expect(await page.$eval(".tip", (tip) => tip.textContent.trim().length > 0).catch(() => false), what);
       await page.keyboard.press("Escape");
@@ -144,7 +171,7 @@ async function withoutScripts(browser, url) {
   const page = await browser.newPage();
   await page.setJavaScriptEnabled(false);
   await page.goto(url, { waitUntil: "load" });
-  const parts = await page.$$eval("table, svg, dl", (all) => all.length);
+  const parts = await page.$$eval("table, svg, dl, .lead", (all) => all.length);
   const hidden = await page.$$eval("table", (all) => all.filter((t) => t.getClientRects().length === 0 && !t.closest("details, .way")).length);
   await page.close();
   return parts === 0 ? ["without scripts: empty"] : hidden > 0 ? [`without scripts: ${hidden} tables are hidden`] : [];
@@ -165,11 +192,12 @@ async function firstPage(browser, file) {
   }
   if (load > MAX_LOAD_MS) problems.push(`loads in ${load.toFixed(0)} ms, allowed ${MAX_LOAD_MS}`);
   const page = await open(browser, url, 1400, "light", problems);
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
   const pdf = Buffer.from(await page.pdf({ preferCSSPageSize: true })).toString("latin1");
   await page.close();
   const printed = (pdf.match(/\/Type\s*\/Page\b/g) || []).length;
-  if (!isSingle && (printed === 0 || printed > MAX_PRINTED_PAGES)) problems.push(`prints on ${printed} pages, allowed ${MAX_PRINTED_PAGES}`);
-  return [problems, `${bytes} bytes, loads in ${load.toFixed(0)} ms, prints on ${printed} pages`];
+  if (printed === 0 || printed > MAX_PRINTED_PAGES) problems.push(`prints on ${printed} pages, allowed ${MAX_PRINTED_PAGES}`);
+  return [problems, `${bytes} bytes, ${height} px high, loads in ${load.toFixed(0)} ms, prints on ${printed} pages`];
 }
 
 // A page with every fault that is looked for; what is not found in it could not be found in a report.
@@ -177,13 +205,14 @@ async function twin(browser) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), "pages-"));
   const file = path.join(folder, "index.html");
   fs.writeFileSync(file, `<!DOCTYPE html><html lang="en"><title>t</title><body style="background:#fff"><main><h1>t</h1>
-    <p style="color:#ccc">too light</p><img src="none.png"><div style="width:3000px">wide</div>
+    <nav><a href="#folded" onclick="return false">link</a></nav><p style="color:#ccc">too light</p><img src="none.png"><div style="width:3000px">wide</div>
+    <details><summary>part</summary><p id="folded">folded</p></details>
     <div class="tools"><input type="search" aria-label="f"></div><div><table><tbody><tr><td>a</td></tr></tbody></table></div>
     <script>console.error("said"); throw new Error("thrown");</script></main></body></html>`);
   const url = pathToFileURL(file).href;
   const found = [...await look(browser, url, 390, "light"), ...await use(browser, url, {})].join("\n");
   fs.rmSync(folder, { recursive: true });
-  const wanted = ["color-contrast", "image-alt", "scrolls sideways", "console: said", "script: thrown", "not loaded", "fails: a filter hides rows", "fails: the Tab key"];
+  const wanted = ["color-contrast", "image-alt", "scrolls sideways: 30", "broken pictures: 1: none.png", "console: said", "script: thrown", "not loaded", "fails: a link opens what is folded", "fails: an address opens what is folded", "fails: a filter hides rows", "fails: the Tab key"];
   return wanted.filter((fault) => !found.includes(fault));
 }
 

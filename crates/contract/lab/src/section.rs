@@ -371,6 +371,8 @@ pub struct SectionedChapter {
     pub study: &'static str,
     /// Heading.
     pub title: &'static str,
+    /// The study's question, in a line.
+    pub question: &'static str,
     /// What is compared, in a few sentences.
     pub text: &'static str,
     /// What ratios and rankings compare.
@@ -390,6 +392,10 @@ impl Chapter for SectionedChapter {
         self.title
     }
 
+    fn question(&self) -> &'static str {
+        self.question
+    }
+
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         self.primary.metric(clock).map(|metric| metric.name)
     }
@@ -405,9 +411,9 @@ impl Chapter for SectionedChapter {
             return Ok(Vec::new());
         }
         let answers = self.answers(run)?;
-        let mut blocks = vec![Block::Text(self.text.to_owned())];
-        blocks.extend(answers.blocks);
+        let mut blocks = answers.blocks;
         blocks.extend(answers.requirements.into_iter().map(Block::Finding));
+        blocks.push(Block::Text(self.text.to_owned()));
         for section in self.sections {
             blocks.extend(section.blocks(&cases)?);
         }

@@ -96,9 +96,6 @@ pub trait Study: Sync {
     /// In rows and on the command line.
     fn name(&self) -> &'static str;
 
-    /// The question, in a line.
-    fn question(&self) -> &'static str;
-
     /// Everything that it measures.
     fn metrics(&self) -> &'static [Metric];
 
@@ -125,13 +122,12 @@ pub trait Study: Sync {
     fn chapter(&self) -> &dyn Chapter;
 }
 
-/// What a [`Study`] says of itself: its name, its question, what it measures, its conditions, from which depth on it is
+/// What a [`Study`] says of itself: its name, what it measures, its conditions, from which depth on it is
 /// part of a run that names none, and its chapter.
 #[macro_export]
 macro_rules! study_facts {
     (
         name: $name:expr,
-        question: $question:literal,
         metrics: $metrics:expr,
         conditions: $conditions:expr,
         least_depth: $depth:ident,
@@ -139,10 +135,6 @@ macro_rules! study_facts {
     ) => {
         fn name(&self) -> &'static str {
             $name
-        }
-
-        fn question(&self) -> &'static str {
-            $question
         }
 
         fn metrics(&self) -> &'static [::terrafill_results::Metric] {

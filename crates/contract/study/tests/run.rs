@@ -71,6 +71,10 @@ impl Chapter for MadeUp {
         "Made up"
     }
 
+    fn question(&self) -> &'static str {
+        "none"
+    }
+
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
         Some("cost_ms")
     }
@@ -83,10 +87,6 @@ impl Chapter for MadeUp {
 impl Study for MadeUp {
     fn name(&self) -> &'static str {
         "made-up"
-    }
-
-    fn question(&self) -> &'static str {
-        "none"
     }
 
     fn metrics(&self) -> &'static [Metric] {

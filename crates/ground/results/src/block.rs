@@ -13,6 +13,9 @@ pub trait Chapter: Sync {
     /// Heading of the chapter.
     fn title(&self) -> &'static str;
 
+    /// The study's question, in a line; the chapter begins with it and with its answer.
+    fn question(&self) -> &'static str;
+
     /// The metric that ratios and rankings of this study compare, by the run's clock; `None` for a
     /// study that times nothing. A/A noise is that of this metric.
     fn primary_metric(&self, clock: Clock) -> Option<&'static str>;

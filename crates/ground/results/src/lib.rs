@@ -55,7 +55,7 @@ pub use folder::{
 };
 pub use front::{Candidate, front, front_survival};
 pub use input::{INPUT_COLUMNS, RunInput, append_inputs, read_inputs};
-pub use markdown::{escaped, markdown, markdown_finding, markdown_list, markdown_table};
+pub use markdown::{escaped, markdown, markdown_list};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow, NOT_MEASURED, Primary, Timer};
 pub use noise::{Between, Noise, has_two_groups};

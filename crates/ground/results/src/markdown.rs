@@ -3,7 +3,7 @@
 //!
 //! What only a page can show is left out: drawings, pictures, and what a reader would have to open first.
 
-use crate::{Block, Cell, CellClass, Finding, Table};
+use crate::{Block, Cell, CellClass, Finding, Table, TableLayout};
 
 /// All blocks, a blank line between two that are no findings.
 #[must_use]
@@ -49,8 +49,7 @@ pub fn markdown_list(items: &[String]) -> String {
 }
 
 /// A finding in a line.
-#[must_use]
-pub fn markdown_finding(finding: &Finding) -> String {
+fn markdown_finding(finding: &Finding) -> String {
     let because = match finding.because.as_str() {
         "" => String::new(),
         because => format!(" {}:", escaped(because)),
@@ -59,9 +58,8 @@ pub fn markdown_finding(finding: &Finding) -> String {
     format!("- {claim}{because} **{}**\n", finding.standing.name())
 }
 
-/// A table below its caption.
-#[must_use]
-pub fn markdown_table(table: &Table) -> String {
+/// A table below its caption. Cells of cards say their details too: figures that the caption explains.
+fn markdown_table(table: &Table) -> String {
     let mut text = String::new();
     if !table.caption.is_empty() {
         text.push_str(&format!("{}\n\n", escaped(&table.caption)));
@@ -73,12 +71,18 @@ pub fn markdown_table(table: &Table) -> String {
         .map(|h| escaped(&h.text))
         .collect()));
     text.push_str(&row(vec!["---".to_owned(); table.headings.len()]));
+    let is_cards = table.layout == TableLayout::Cards;
     for line in &table.rows {
-        text.push_str(&row(line.cells.iter().map(cell).collect()));
+        let cells = line.cells.iter().map(|own| {
+            let detail = Some(escaped(&own.detail)).filter(|_| is_cards && !own.detail.is_empty());
+            detail.map_or_else(|| cell(own), |detail| format!("{}: {detail}", cell(own)))
+        });
+        text.push_str(&row(cells.collect()));
     }
     text
 }
 
+/// Its text and its mark.
 fn cell(cell: &Cell) -> String {
     match (cell.class, cell.mark.as_str()) {
         (CellClass::Void, _) => format!("~~{}~~", escaped(&cell.text)),

@@ -29,6 +29,7 @@ const CONTACTS: [&str; 4] = ["1e3", "1e5", "1e7", "hard"];
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Balls: stiff contact by every integrator",
+    question: "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
     text: "Balls are dropped at rest from 1 to 3 m onto flat ground and bounce for 5 s without loss. Below the \
            surface a spring of stiffness k/m pushes them out, or they are reflected. The reference is the \
            closed form in double precision. State gap: the height above the ground is stored; state height: the \

@@ -28,7 +28,6 @@ pub struct BallsStudy;
 impl Study for BallsStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

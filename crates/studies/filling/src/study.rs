@@ -30,10 +30,6 @@ impl Study for FillingStudy {
         STUDY
     }
 
-    fn question(&self) -> &'static str {
-        "Which technique fills regions on a surface with which error, time and memory?"
-    }
-
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
     }

@@ -21,6 +21,7 @@ const PANEL: Panel<'static> = Panel {
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Flights: terrain that is made on the way",
+    question: "What do frames cost and show while the terrain's pieces are still being made?",
     text: "The eye flies through the views of a scene, from the highest to the lowest, and rests there. At first no piece \
            of the terrain is there. “anew”: every frame makes all that it draws. “wait”: a frame makes what it wants and \
            is not there yet. “n a frame”: a frame is drawn from what is there; then n pieces are made, those that lack \

@@ -59,7 +59,6 @@ pub struct FlightStudy {
 impl Study for FlightStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "What do frames cost and show while the terrain's pieces are still being made?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

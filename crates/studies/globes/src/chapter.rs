@@ -33,6 +33,10 @@ impl Chapter for GlobesChapter {
         "Globes: error of a surface against its time"
     }
 
+    fn question(&self) -> &'static str {
+        "Which surface draws the body with which error in which time?"
+    }
+
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         Some(whole(clock).name)
     }
@@ -47,12 +51,11 @@ impl Chapter for GlobesChapter {
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        let mut blocks = Vec::new();
-        for (view, cases) in surfaces(run).by(VIEW) {
-            if blocks.is_empty() {
-                blocks.push(Block::Text(WHAT_IS_COMPARED.to_owned()));
-            }
-            blocks.extend(of_view(view, &cases)?);
+        let views = surfaces(run).by(VIEW);
+        let mut blocks = self.answers(run)?.blocks;
+        blocks.extend((!views.is_empty()).then(|| Block::Text(WHAT_IS_COMPARED.to_owned())));
+        for (view, cases) in &views {
+            blocks.extend(of_view(view, cases)?);
         }
         let parts = [
             tiled::SECTION,
@@ -93,7 +96,6 @@ fn case_name(case: &Case) -> String {
 fn of_view(view: &str, cases: &Cases<'_>) -> Result<Vec<Block>, ChapterError> {
     let title = format!("View {view}");
     let mut blocks = vec![Block::section(title.clone())];
-    blocks.extend(answer(view, cases).map(Block::Text));
     // Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would hide each other.
     let shown = cases.fitting(|case| case.condition(API) != "vulkan");
     for drawing in &DRAWINGS {

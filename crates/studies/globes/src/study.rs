@@ -37,7 +37,6 @@ pub struct GlobesStudy {
 impl Study for GlobesStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "Which surface draws the body with which error in which time?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

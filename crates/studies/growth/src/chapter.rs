@@ -18,6 +18,7 @@ const MAX_RATIO: f64 = 16.0;
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Growth: time to mesh against vertices",
+    question: "How does the cost of a mesh grow with its vertices?",
     text: "Made-up shapes are meshed from GeoJSON text on, each in a process of its own.",
     primary: Figure::Metric(TIME),
     answers: |cases| Answers {
@@ -111,14 +112,14 @@ mod tests {
         grow(&mut run, "needle", &[(1_000, 1.0)]);
         let blocks = blocks(&run);
         let [
-            Block::Text(_),
             Block::Finding(comb),
             Block::Finding(spiral),
+            Block::Text(_),
             Block::Plot(plot),
             Block::Table(table),
         ] = &blocks[..]
         else {
-            panic!("a text, two findings, a plot and a table: {blocks:?}");
+            panic!("two findings, a text, a plot and a table: {blocks:?}");
         };
         for word in ["slope 1", "comb", "spiral", "vertices of the outline"] {
             assert!(plot.svg.contains(word), "{word}");

@@ -29,7 +29,6 @@ pub struct GrowthStudy {
 impl Study for GrowthStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "How does the cost of a mesh grow with its vertices?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

@@ -26,6 +26,7 @@ const STORED: &str = "vertices are stored; rounding them is within a unit of the
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Moving regions: sensors that sweep",
+    question: "What do regions cost that change in every frame, such as what sensors see?",
     text: "Sensors fly and sweep over the countries; each footprint has 256 vertices. In every frame all footprints are \
            brought up to date and filled. “bend” uploads discs once and per frame a few numbers a cone, by which the \
            vertex stage bends the discs in f32; the CPU finds the same vertices in f64 for the plan's boxes alone. \
@@ -343,7 +344,7 @@ mod tests {
         add(&mut made_up, "native", "reload", 3.0, 900_000.0);
         let run = made_up.loaded();
         let blocks = CHAPTER.blocks(&run).expect("a chapter");
-        let Some(Block::Text(text)) = blocks.get(1) else {
+        let Some(Block::Text(text)) = blocks.first() else {
             panic!("an answer: {blocks:?}");
         };
         // The other one differs by less than two that are alike may.

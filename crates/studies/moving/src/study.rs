@@ -43,7 +43,6 @@ pub struct MovingStudy {
 impl Study for MovingStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "What do regions cost that change in every frame, such as what sensors see?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

@@ -20,6 +20,7 @@ use terrafill_results::{Answers, Block, Case, Finding};
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Pipelines: which stage makes a grid",
+    question: "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
     text: "A square of 2 km of analytic ground is drawn as a grid into 256 × 256 pixels, the whole of it in view. \
            Each pixel shows the number of its triangle or point, which is held against rays in double precision that \
            share nothing with what draws. Heights are 32-bit floats, fetched from a texture where they are not sent.",

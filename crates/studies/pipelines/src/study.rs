@@ -40,7 +40,6 @@ pub struct PipelinesStudy;
 impl Study for PipelinesStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "Which stage of the pipeline should make a grid's vertices, at which cost and error?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

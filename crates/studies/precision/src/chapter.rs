@@ -27,6 +27,10 @@ impl Chapter for PrecisionChapter {
         "Precision: from a fragment to its texture coordinate"
     }
 
+    fn question(&self) -> &'static str {
+        "Which formula finds a texture coordinate with which error, at which cost?"
+    }
+
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         Some(clock.pick(GPU_NS, CPU_NS).name)
     }
@@ -36,14 +40,14 @@ impl Chapter for PrecisionChapter {
         if data.formulas.is_empty() {
             return Ok(Vec::new());
         }
-        let mut blocks = vec![Block::Text(format!(
+        let mut blocks = tables::recommended(&data);
+        blocks.push(Block::Text(format!(
             "Every way to longitude and latitude, evaluated at places of regions from 0.001° to the \
              globe, from the equator to the pole, with terrain from −110 to 90 km: on the CPU in the \
              shader's steps, and on the device by the shader's text. Errors are against the exact map \
              in double precision. Times are of the formula alone, without the loop around it. {}",
             summary(&data)
-        ))];
-        blocks.extend(tables::recommended(&data));
+        )));
         blocks.push(Block::section("What was computed, and what was measured"));
         blocks.extend(findings::findings(&data).into_iter().map(Block::Finding));
         blocks.push(Block::Remark(format!(

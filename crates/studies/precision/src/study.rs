@@ -25,7 +25,6 @@ pub struct PrecisionStudy;
 impl Study for PrecisionStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "Which formula finds a texture coordinate with which error, at which cost?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

@@ -13,6 +13,7 @@ const TIME: Figure = Figure::ByClock(WALL, CPU);
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Read-back: time against bytes",
+    question: "How long does reading an image back take, and at which rate?",
     text: "Colour and depth are read back: through wgpu one after the other, through Vulkan both at once. Times include \
            new staging buffers and packing rows. On a GPU a read-back is a wait of the CPU outside of every GPU pass, so \
            wall clock is compared; on a software device the CPU itself copies, so process CPU time is. The rate is bytes \
@@ -99,14 +100,14 @@ mod tests {
     fn times_stand_in_a_sentence_a_plot_and_tables() {
         let blocks = blocks(&run());
         let [
-            Block::Text(_),
             Block::List(answer),
+            Block::Text(_),
             Block::Plot(plot),
             Block::Table(table),
             Block::Table(fits),
         ] = &blocks[..]
         else {
-            panic!("a text, answers, a plot and two tables: {blocks:?}");
+            panic!("answers, a text, a plot and two tables: {blocks:?}");
         };
         assert_eq!(
             answer[2],
@@ -136,7 +137,7 @@ mod tests {
             let vulkan = run.cases.last_mut().expect("planned");
             vulkan.ended(Status::Ok, "").timed(CPU, &[vulkan_ms; 5]);
             let blocks = blocks(&run);
-            let Block::List(answer) = &blocks[1] else {
+            let Block::List(answer) = &blocks[0] else {
                 panic!("an answer: {blocks:?}");
             };
             answer[0].clone()
@@ -162,7 +163,7 @@ mod tests {
             ..RunEnvironment::default()
         };
         let blocks = blocks(&run);
-        let Some(Block::List(answer)) = blocks.get(1) else {
+        let Some(Block::List(answer)) = blocks.first() else {
             panic!("an answer: {blocks:?}");
         };
         let answer = &answer[2];

@@ -30,7 +30,6 @@ pub struct ReadbackStudy;
 impl Study for ReadbackStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "How long does reading an image back take, and at which rate?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

@@ -17,6 +17,7 @@ use terrafill_results::{Answers, Block, Case, ConditionKey, Metric};
 pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Shadows: what each optimisation of shadow volumes saves, and its error",
+    question: "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
     text: "The casters are a procedural port: a trestle dock, cranes, ships, containers, in seven channels over 270° from \
            a bridge 30 m up, or the model of the first section. The reference sends rays in f64 from each visible point to the sun, and a second test looks \
            from the sun down. A volume's mask is what a stencil would hold: its triangles, counted along the ray of each \

@@ -44,7 +44,6 @@ pub struct ShadowsStudy;
 impl Study for ShadowsStudy {
     terrafill_study::study_facts!(
         name: STUDY,
-        question: "What does each optimisation of shadow volumes save in a port, and what does it get wrong?",
         metrics: METRICS,
         conditions: crate::metrics::CONDITIONS,
         least_depth: Full,

@@ -5,7 +5,7 @@ use crate::ReportError;
 use crate::verdict::{Sentences, Verdict, plural};
 use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
 use askama::Template;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use terrafill_results::{
     Answers, Block, Chapter, Finding, MetricRow, Run, RunEnvironment, RunInput, RunPlan, Skipped,
@@ -53,6 +53,8 @@ struct Leaf<'a> {
     title: String,
     /// Names its figures' files.
     stem: String,
+    /// The study's, on the chapter's own page; else empty.
+    question: &'static str,
     blocks: &'a [Block],
 }
 
@@ -121,6 +123,7 @@ struct Front<'a> {
 struct AnswerView {
     id: String,
     title: &'static str,
+    question: &'static str,
     html: String,
 }
 
@@ -246,9 +249,11 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         (format!("{PAGES}/report.css"), style().into_bytes()),
         (format!("{PAGES}/report.js"), SCRIPT.as_bytes().to_vec()),
     ];
+    let mut absent = BTreeSet::new();
     for leaf in &leaves {
         let mut renderer = Renderer::new(report.run, report.form, &leaf.stem, ROOT, &links);
-        let body = renderer.html(leaf.blocks)?;
+        let body = asked(leaf.question) + &renderer.html(leaf.blocks)?;
+        absent.append(&mut renderer.take_absent());
         files.extend(renderer.into_files());
         files.push(page(&leaf.title, &leaf.file, ROOT, body)?);
     }
@@ -262,7 +267,7 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         lists(report)?
     };
     let mut renderer = Renderer::new(report.run, report.form, "index", "", &links);
-    let body = front(report, &mut renderer, lists)?;
+    let body = front(report, &mut renderer, lists, absent)?;
     files.extend(renderer.into_files());
     files.push(page(TITLE, INDEX, "", body)?);
     Ok(files)
@@ -276,20 +281,29 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         .collect();
     let mut renderer = Renderer::new(report.run, report.form, "report", "", &links);
     let mut chapters = String::new();
+    // The only one is open: there is nothing to choose.
+    let is_open = report.parts.len() == 1;
     for (chapter, blocks, _) in report.parts {
-        let (id, title) = (part_id(*chapter), chapter.title());
-        let html = renderer.html(blocks)?;
-        chapters.push_str(&format!(
-            "<section class=\"chapter\"><h2 id=\"{id}\">{title}</h2>\n{html}</section>\n"
-        ));
+        let heading = format!(
+            "<h2 id=\"{}\">{}</h2> <span class=\"question\">{}</span>",
+            part_id(*chapter),
+            chapter.title(),
+            chapter.question()
+        );
+        let (head, sections) = split(blocks);
+        let mut html = renderer.html(head)?;
+        for (heading, blocks) in sections {
+            let heading = renderer.html(std::slice::from_ref(heading))?;
+            html.push_str(&folded(false, heading.trim(), &renderer.html(blocks)?));
+        }
+        chapters.push_str(&folded(is_open, &heading, &html));
     }
-    let mut body = front(report, &mut renderer, lists(report)?)?;
+    let mut body = front(report, &mut renderer, lists(report)?, BTreeSet::new())?;
     let metrics = &report.run.metrics;
     let glossary = Glossary { metrics }.render()?;
     body.push_str(&chapters);
-    body.push_str(&format!(
-        "<section><h2 id=\"glossary\">{GLOSSARY}</h2>{glossary}</section>\n"
-    ));
+    let heading = format!("<h2 id=\"glossary\">{GLOSSARY}</h2>");
+    body.push_str(&folded(false, &heading, &glossary));
     let mut nav: Vec<NavGroup> = Vec::new();
     for (chapter, blocks, _) in report.parts {
         nav.push(NavGroup {
@@ -305,6 +319,20 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
     });
     let page = inline_page(TITLE, nav, body)?;
     Ok(vec![(INDEX.to_owned(), page.into_bytes())])
+}
+
+/// A part of the page that a reader opens by its heading.
+fn folded(is_open: bool, heading: &str, html: &str) -> String {
+    let open = if is_open { " open" } else { "" };
+    format!("<details class=\"part\"{open}><summary>{heading}</summary>\n{html}</details>\n")
+}
+
+/// A study's question; nothing where there is none.
+fn asked(question: &str) -> String {
+    match question {
+        "" => String::new(),
+        question => format!("<p class=\"question\">{question}</p>\n"),
+    }
 }
 
 /// A page that needs no other file.
@@ -378,6 +406,20 @@ fn section_title(block: &Block) -> Option<&str> {
     }
 }
 
+/// What comes before the first section, and each section's heading with its blocks.
+fn split(blocks: &[Block]) -> (&[Block], Vec<(&Block, &[Block])>) {
+    let starts = |block: &Block| section_title(block).is_some();
+    let first = blocks.iter().position(starts).unwrap_or(blocks.len());
+    let (head, mut rest) = blocks.split_at(first);
+    let mut sections = Vec::new();
+    while let Some((heading, after)) = rest.split_first() {
+        let length = after.iter().position(starts).unwrap_or(after.len());
+        sections.push((heading, &after[..length]));
+        rest = &after[length..];
+    }
+    (head, sections)
+}
+
 /// The chapter's pages: one, or one for what comes before its sections and one for each of them.
 fn leaves<'a>((chapter, blocks, _): &'a Part<'a>) -> Vec<Leaf<'a>> {
     let study = slug(chapter.study());
@@ -385,27 +427,25 @@ fn leaves<'a>((chapter, blocks, _): &'a Part<'a>) -> Vec<Leaf<'a>> {
         file: format!("{PAGES}/{study}.html"),
         title: chapter.title().to_owned(),
         stem: study.clone(),
+        question: chapter.question(),
         blocks,
     };
     if !chapter.has_long_sections() {
         return vec![whole(blocks.as_slice())];
     }
-    let starts = |block: &Block| section_title(block).is_some();
-    let first = blocks.iter().position(starts).unwrap_or(blocks.len());
-    let mut leaves = vec![whole(&blocks[..first])];
-    let mut rest = &blocks[first..];
-    while let Some((start, after)) = rest.split_first() {
-        let length = after.iter().position(starts).unwrap_or(after.len());
-        let title = section_title(start).unwrap_or_default();
+    let (head, sections) = split(blocks);
+    let mut leaves = vec![whole(head)];
+    leaves.extend(sections.into_iter().map(|(heading, blocks)| {
+        let title = section_title(heading).unwrap_or_default();
         let stem = format!("{study}-{}", slug(title));
-        leaves.push(Leaf {
+        Leaf {
             file: format!("{PAGES}/{stem}.html"),
             title: title.to_owned(),
             stem,
-            blocks: &after[..length],
-        });
-        rest = &after[length..];
-    }
+            question: "",
+            blocks,
+        }
+    }));
     leaves
 }
 
@@ -466,25 +506,30 @@ fn shortened(report: &Report<'_>, cases: &str) -> String {
 }
 
 /// The body of the first page.
+///
+/// - `absent`: pictures of other pages that are not in the run's folder
 fn front(
     report: &Report<'_>,
     renderer: &mut Renderer<'_>,
     lists: String,
+    mut absent: BTreeSet<String>,
 ) -> Result<String, askama::Error> {
     let answers = report.parts.iter().map(|(chapter, _, answers)| {
         Ok(AnswerView {
             id: renderer.id(&format!("answer-{}", chapter.study())),
             title: chapter.title(),
+            question: chapter.question(),
             html: renderer.html(&answers.blocks)?,
         })
     });
     let answers: Vec<AnswerView> = answers.collect::<Result<_, askama::Error>>()?;
     let parts = report.parts.iter();
     let requirements = checklist(parts.flat_map(|(_, _, answers)| &answers.requirements));
+    absent.append(&mut renderer.take_absent());
     Front {
         class: bar(report.verdict, &requirements),
         sentences: &report.said.verdict,
-        facts: facts(report),
+        facts: facts(report, absent.len()),
         answers: answers
             .into_iter()
             .filter(|answer| !answer.html.trim().is_empty())
@@ -499,7 +544,7 @@ fn front(
 }
 
 /// What a reader must know before any figure.
-fn facts(report: &Report<'_>) -> Vec<(&'static str, Vec<String>)> {
+fn facts(report: &Report<'_>, absent: usize) -> Vec<(&'static str, Vec<String>)> {
     let e = &report.run.environment;
     let known = |text: &str| match text {
         "" => "not recorded".to_owned(),
@@ -530,9 +575,26 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, Vec<String>)> {
             report.said.replicates.iter().cloned().collect(),
         ),
         ("Figures", vec![NOTATION.to_owned()]),
+        ("Pictures", left_out(report, absent).into_iter().collect()),
     ];
     facts.retain(|(_, values)| !values.is_empty());
     facts
+}
+
+/// How many pictures of the run are not in its folder, and what draws them anew; nothing where none is missing.
+fn left_out(report: &Report<'_>, absent: usize) -> Option<String> {
+    let options = &report.run.environment.options;
+    let is_quick = options.iter().any(|option| option == "depth=quick");
+    let quick = if is_quick { " --quick" } else { "" };
+    let studies = report.parts.iter();
+    let studies = studies.map(|(chapter, ..)| format!(" --study {}", chapter.study()));
+    (absent > 0).then(|| {
+        format!(
+            "{} left out of this folder. To draw them anew: terrafill bench{}{quick}",
+            plural(absent, "picture"),
+            studies.collect::<String>()
+        )
+    })
 }
 
 /// Requirements as lines, what is not met first.

@@ -3,10 +3,20 @@
 
 use base64::Engine as _;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::io::ErrorKind;
 use std::path::{Component, Path};
 
 /// Longer side of a small picture, pixels: twice its size on the page, for screens with fine pixels.
 const SMALL_PX: u32 = 144;
+
+/// Why a picture cannot be shown.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Unshown {
+    /// It is not in the run's folder: a run that is passed on may leave pictures out.
+    Absent,
+    /// One sentence for the report.
+    Broken(String),
+}
 
 /// A picture of the run's folder that can be shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,9 +35,9 @@ impl Picture {
     /// It is decoded in full: a run killed while writing leaves a file that starts well.
     ///
     /// # Errors
-    /// One sentence for the report. A path that leaves the folder is refused: a report may be made from
+    /// [`Unshown`]. A path that leaves the folder is refused: a report may be made from
     /// a folder that came from elsewhere, and must not carry other files of this machine along.
-    pub(crate) fn read(folder: &Path, relative: &str) -> Result<Self, String> {
+    pub(crate) fn read(folder: &Path, relative: &str) -> Result<Self, Unshown> {
         let (bytes, decoded) = decoded(folder, relative)?;
         Ok(Self {
             bytes,
@@ -40,13 +50,13 @@ impl Picture {
     ///
     /// # Errors
     /// As [`Picture::read`].
-    pub(crate) fn small(folder: &Path, relative: &str) -> Result<Self, String> {
+    pub(crate) fn small(folder: &Path, relative: &str) -> Result<Self, Unshown> {
         let (_, decoded) = decoded(folder, relative)?;
         let small = decoded.thumbnail(SMALL_PX, SMALL_PX).to_rgb8();
         let mut bytes = std::io::Cursor::new(Vec::new());
         small
             .write_to(&mut bytes, image::ImageFormat::Png)
-            .map_err(|error| format!("{relative}: {error}"))?;
+            .map_err(|error| Unshown::Broken(format!("{relative}: {error}")))?;
         Ok(Self {
             bytes: bytes.into_inner(),
             width: small.width(),
@@ -78,17 +88,21 @@ pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{encoded}")
 }
 
-fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImage), String> {
+fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImage), Unshown> {
+    let broken = |why: &dyn std::fmt::Display| Unshown::Broken(format!("{relative}: {why}"));
     let path = Path::new(relative);
     let inside = path
         .components()
         .all(|part| matches!(part, Component::Normal(_)));
     if !inside {
-        return Err(format!("{relative} is outside the run folder"));
+        return Err(broken(&"it is outside the run folder"));
     }
-    let bytes = std::fs::read(folder.join(path)).map_err(|error| format!("{relative}: {error}"))?;
+    let bytes = std::fs::read(folder.join(path)).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Unshown::Absent,
+        _ => broken(&error),
+    })?;
     let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
-        .map_err(|error| format!("{relative}: {error}"))?;
+        .map_err(|error| broken(&error))?;
     Ok((bytes, decoded))
 }
 
@@ -151,12 +165,15 @@ mod tests {
         let bytes = std::fs::read(folder.path().join("a.png")).expect("the file");
         std::fs::write(folder.path().join("torn.png"), &bytes[..bytes.len() - 20])
             .expect("writable");
-        assert!(Picture::read(folder.path(), "torn.png").is_err());
-        assert!(Picture::read(folder.path(), "none.png").is_err());
+        let torn = Picture::read(folder.path(), "torn.png");
+        assert!(matches!(torn, Err(Unshown::Broken(_))), "{torn:?}");
+        let none = Picture::read(folder.path(), "none.png");
+        assert_eq!(none, Err(Unshown::Absent));
         let inner = folder.path().join("run");
         std::fs::create_dir(&inner).expect("a folder");
-        let outside = Picture::read(&inner, "../a.png").expect_err("outside");
-        assert!(outside.contains("outside the run folder"), "{outside}");
+        let outside = Picture::read(&inner, "../a.png");
+        let why = "../a.png: it is outside the run folder".to_owned();
+        assert_eq!(outside, Err(Unshown::Broken(why)));
         let absolute = folder.path().join("a.png");
         assert!(Picture::read(&inner, &absolute.to_string_lossy()).is_err());
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks as HTML, laid out by `templates/blocks.html`.
 
-use crate::picture::{Picture, address, data_uri};
+use crate::picture::{Picture, Unshown, address, data_uri};
 use askama::Template;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::{DOTS_FACTOR, TWO_GROUPS};
 use terrafill_results::{
     Block, Cell, CellClass, Finding, Heading, Pictures, Plot, Row, Run, Standing, Table,
@@ -63,6 +63,15 @@ enum BlockView<'a> {
 /// Class of cells of words.
 const WORDS: &str = "name";
 
+/// Characters of a cell that stays in one line: a median with its range has fewer.
+const MAX_LINE: usize = 40;
+
+/// Before the range of a figure.
+const RANGES: [&str; 2] = [" (", " ["];
+
+/// A table of so many columns leaves out those that say the same in every row.
+const MIN_WIDE: usize = 9;
+
 struct TableView<'a> {
     id: String,
     caption: &'a str,
@@ -71,8 +80,10 @@ struct TableView<'a> {
     headings: Vec<HeadingView<'a>>,
     rows: Vec<RowView<'a>>,
     footnotes: Vec<&'a str>,
-    /// What dots in its cells are; empty where no cell has any.
+    /// What dots in its cells are, and that they have commands; empty where there is neither.
     dots: String,
+    /// Columns that are said once instead, with what every row has; empty for none.
+    same: String,
 }
 
 struct HeadingView<'a> {
@@ -193,6 +204,8 @@ pub(crate) struct Renderer<'a> {
     /// How often each id was asked for.
     ids: BTreeMap<String, usize>,
     files: Vec<File>,
+    /// Pictures that are not in the run's folder.
+    absent: BTreeSet<String>,
 }
 
 impl<'a> Renderer<'a> {
@@ -211,6 +224,7 @@ impl<'a> Renderer<'a> {
             links,
             ids: BTreeMap::new(),
             files: Vec::new(),
+            absent: BTreeSet::new(),
         }
     }
 
@@ -223,6 +237,11 @@ impl<'a> Renderer<'a> {
             1 => id,
             number => format!("{id}--{number}"),
         }
+    }
+
+    /// Pictures that were not in the run's folder since this was last asked.
+    pub(crate) fn take_absent(&mut self) -> BTreeSet<String> {
+        std::mem::take(&mut self.absent)
     }
 
     /// The files beside the page.
@@ -287,9 +306,10 @@ impl<'a> Renderer<'a> {
 
     fn table<'b>(&mut self, table: &'b Table) -> TableView<'b> {
         let mut footnotes = Vec::new();
+        let (varying, same) = same_columns(table);
         let is_cards = table.layout == TableLayout::Cards;
         let rows = table.rows.iter().map(|row| {
-            let mut view = self.row(row, &mut footnotes);
+            let mut view = self.row(row, &varying, &mut footnotes);
             if is_cards {
                 for (cell, heading) in view.cells.iter_mut().zip(&table.headings) {
                     cell.label = &heading.text;
@@ -302,8 +322,8 @@ impl<'a> Renderer<'a> {
             let cell = row.cells.get(column);
             cell.is_some_and(|cell| cell.class == WORDS)
         };
-        let headings = table.headings.iter().enumerate();
-        let headings = headings.map(|(column, heading)| HeadingView {
+        let headings = varying.iter().map(|&column| &table.headings[column]);
+        let headings = headings.enumerate().map(|(column, heading)| HeadingView {
             text: &heading.text,
             meaning: meaning(self.run, heading),
             is_over_words: !rows.is_empty() && rows.iter().all(|row| is_words(row, column)),
@@ -318,14 +338,21 @@ impl<'a> Renderer<'a> {
             },
             has_upright_headings: table.layout == TableLayout::UprightHeadings,
             headings: headings.collect(),
-            dots: about_dots(table),
+            dots: about_cells(table),
+            same,
             rows,
             footnotes,
         }
     }
 
-    fn row<'b>(&mut self, row: &'b Row, footnotes: &mut Vec<&'b str>) -> RowView<'b> {
-        let cells = row.cells.iter().enumerate().map(|(index, cell)| {
+    fn row<'b>(
+        &mut self,
+        row: &'b Row,
+        columns: &[usize],
+        footnotes: &mut Vec<&'b str>,
+    ) -> RowView<'b> {
+        let cells = columns.iter().map(|&index| {
+            let cell = &row.cells[index];
             let is_status = !row.status.is_empty() && cell.text == row.status;
             self.cell(cell, index == 0, is_status, footnotes)
         });
@@ -345,6 +372,8 @@ impl<'a> Renderer<'a> {
     ) -> CellView<'b> {
         let class = match cell.class {
             _ if is_status => "status",
+            CellClass::Plain if cell.text.chars().count() > MAX_LINE => WORDS,
+            CellClass::Plain if before_range(&cell.text).len() > 1 => "range",
             CellClass::Plain => "",
             CellClass::Name if is_first => "",
             CellClass::Name => WORDS,
@@ -362,6 +391,7 @@ impl<'a> Renderer<'a> {
             label: "",
             parts: match cell.class {
                 CellClass::Name => breakable(&cell.text),
+                CellClass::Plain => before_range(&cell.text),
                 _ => vec![&cell.text],
             },
             detail: breakable(&cell.detail),
@@ -432,7 +462,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Address of a picture and its size.
-    fn image<'b>(&self, path: &str, caption: &'b str) -> Result<ImageView<'b>, String> {
+    fn image<'b>(&self, path: &str, caption: &'b str) -> Result<ImageView<'b>, Unshown> {
         let picture = Picture::read(&self.run.path, path)?;
         Ok(ImageView {
             src: match self.form {
@@ -447,7 +477,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Pictures of the run's folder; the same ones are shown once.
-    fn pictures<'b>(&self, pictures: &'b Pictures) -> PicturesView<'b> {
+    fn pictures<'b>(&mut self, pictures: &'b Pictures) -> PicturesView<'b> {
         let mut view = PicturesView {
             caption: &pictures.caption,
             reference: String::new(),
@@ -469,8 +499,9 @@ impl<'a> Renderer<'a> {
             for picture in &figure.pictures {
                 match self.image(&picture.path, &picture.caption) {
                     Ok(image) => images.push(image),
-                    Err(problem) if view.problems.contains(&problem) => {}
-                    Err(problem) => view.problems.push(problem),
+                    Err(Unshown::Absent) => drop(self.absent.insert(picture.path.clone())),
+                    Err(Unshown::Broken(problem)) if view.problems.contains(&problem) => {}
+                    Err(Unshown::Broken(problem)) => view.problems.push(problem),
                 }
             }
             if images.is_empty() {
@@ -485,6 +516,10 @@ impl<'a> Renderer<'a> {
                     notes: notes.collect(),
                 }),
             }
+        }
+        // Without it the first picture is another one.
+        if self.absent.contains(&pictures.reference) {
+            view.reference.clear();
         }
         view
     }
@@ -534,23 +569,78 @@ fn breakable(name: &str) -> Vec<&str> {
     name.split_inclusive([',', '/']).collect()
 }
 
-/// What the dots of a table are, and what its marks mean; empty where it has none.
-fn about_dots(table: &Table) -> String {
+/// A figure and its range, between which a line may break.
+fn before_range(text: &str) -> Vec<&str> {
+    let place = RANGES.iter().find_map(|range| text.find(range));
+    match place {
+        Some(place) => vec![&text[..=place], &text[place + 1..]],
+        None => vec![text],
+    }
+}
+
+/// The columns of a table that are shown, and what the others say. Of a wide table of several rows those are left out
+/// whose every figure is the same, and those without one.
+fn same_columns(table: &Table) -> (Vec<usize>, String) {
+    let is_wide = table.layout == TableLayout::Figures && table.headings.len() >= MIN_WIDE;
+    let said_once = |column: usize| {
+        let mut cells = table.rows.iter().map(|row| &row.cells[column]);
+        let first = cells.clone().find(|cell| cell.class != CellClass::Absent);
+        let first = first.or_else(|| cells.clone().next())?;
+        let is_same = |cell: &Cell| match cell.class {
+            CellClass::Absent => first.class != CellClass::Absent || cell.title == first.title,
+            // Processes differ where their medians are written alike.
+            class => (class, &cell.text, &cell.mark) == (first.class, &first.text, &first.mark),
+        };
+        let heading = &table.headings[column].text;
+        cells.all(is_same).then(|| match first.class {
+            CellClass::Absent => format!("{heading} none ({})", first.title),
+            _ => format!("{heading} {}", first.text),
+        })
+    };
+    let is_offered = |column: &usize| is_wide && table.rows.len() > 2 && *column > 0;
+    let mut same = Vec::new();
+    let varying = (0..table.headings.len()).filter(|column| {
+        let said = Some(*column).filter(is_offered).and_then(said_once);
+        let is_varying = said.is_none();
+        same.extend(said);
+        is_varying
+    });
+    let varying = varying.collect();
+    let same = match same.as_slice() {
+        [] => String::new(),
+        some => format!(
+            "The same in every row that has a figure: {}.",
+            some.join("; ")
+        ),
+    };
+    (varying, same)
+}
+
+/// What the dots of a table are, what its marks mean, and where its commands are; empty where it has none.
+fn about_cells(table: &Table) -> String {
     let cells = || table.rows.iter().flat_map(|row| &row.cells);
+    let is_cards = table.layout == TableLayout::Cards;
+    let has_commands = is_cards && cells().any(|cell| !cell.command.is_empty());
+    let commands = if has_commands {
+        "Point at a cell for the command that draws it."
+    } else {
+        ""
+    };
     if cells().all(|cell| cell.dots.is_empty()) {
-        return String::new();
+        return commands.to_owned();
     }
     let scale = format!(
         "A dot is a process: the tick is their median, the ends are {DOTS_FACTOR} times less and more, and a \
          triangle lies beyond."
     );
-    if cells().any(|cell| cell.mark == TWO_GROUPS) {
+    let groups = if cells().any(|cell| cell.mark == TWO_GROUPS) {
         format!(
-            "{scale} “{TWO_GROUPS}”: the processes ran as at two clocks, so that the figure is of one of them."
+            " “{TWO_GROUPS}”: the processes ran as at two clocks, so that the figure is of one of them."
         )
     } else {
-        scale
-    }
+        String::new()
+    };
+    format!("{commands} {scale}{groups}").trim().to_owned()
 }
 
 /// Number of the footnote with this text, from 1.
@@ -597,6 +687,46 @@ mod tests {
         assert_eq!(csv.as_deref(), Some("name\n<a> &amp; \"b\"\n"));
         // Negative control: a drawing without figures stays.
         assert_eq!(without_metadata("<svg/>"), ("<svg/>".to_owned(), None));
+    }
+
+    #[test]
+    fn a_wide_table_says_once_what_every_row_has() {
+        let table = |columns: usize, odd: &str| {
+            let row = |name: &str, third: Cell| {
+                let same = std::iter::repeat_n(Cell::plain("7"), columns - 3);
+                let cells = [Cell::name(name), Cell::plain(name), third];
+                Row::new(cells.into_iter().chain(same).collect())
+            };
+            let rows = vec![
+                row("a", Cell::absent("no clock")),
+                row("b", Cell::plain("0")),
+                row("c", Cell::plain(odd)),
+            ];
+            let headings = (0..columns).map(|column| Heading::plain(format!("h{column}")));
+            Table {
+                headings: headings.collect(),
+                rows,
+                ..Table::default()
+            }
+        };
+        let (varying, same) = same_columns(&table(MIN_WIDE, "0"));
+        assert_eq!(varying, [0, 1]);
+        let said = "The same in every row that has a figure: h2 0; h3 7; h4 7; ";
+        assert!(same.starts_with(said), "{same}");
+        // Negative controls: a figure that differs, and a table that is narrow as it is.
+        assert_eq!(same_columns(&table(MIN_WIDE, "1")).0, [0, 1, 2]);
+        let all: Vec<usize> = (0..MIN_WIDE - 1).collect();
+        assert_eq!(
+            same_columns(&table(MIN_WIDE - 1, "0")),
+            (all, String::new())
+        );
+    }
+
+    #[test]
+    fn a_line_may_break_before_a_range_and_nowhere_else() {
+        assert_eq!(before_range("1.0 (0.9–1.1)"), ["1.0 ", "(0.9–1.1)"]);
+        assert_eq!(before_range("1.0 × [0.9–1.1]"), ["1.0 × ", "[0.9–1.1]"]);
+        assert_eq!(before_range("1 234"), ["1 234"]);
     }
 
     #[test]

@@ -144,12 +144,7 @@ fn write_as(
         &with_reasons(&run, is_expected),
     );
     for (chapter, blocks, answers) in &parts {
-        let requirements = answers.requirements.iter().cloned().map(Block::Finding);
-        let mut all: Vec<Block> = answers.blocks.iter().cloned().chain(requirements).collect();
-        let others = blocks.iter().filter(|block| !all.contains(block));
-        let others: Vec<Block> = others.cloned().collect();
-        all.extend(others);
-        markdown::chapter(&mut summary, chapter.title(), &all);
+        markdown::chapter(&mut summary, *chapter, blocks, answers);
     }
     let result = ResultFile {
         schema: terrafill_results::SCHEMA,

@@ -12,6 +12,19 @@ document.addEventListener("DOMContentLoaded", () => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
 
+  // A link into what is folded opens it.
+  const reveal = (hash) => {
+    const at = document.getElementById(hash.slice(1));
+    for (let part = at && at.closest("details"); part; part = part.parentElement.closest("details")) part.open = true;
+    return at;
+  };
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest("a[href^='#']");
+    if (link) reveal(link.hash);
+  });
+  const wanted = reveal(location.hash);
+  if (wanted) wanted.scrollIntoView();
+
   // A command that the page has already is the number of the element that has it.
   const commands = [...document.querySelectorAll("[data-command]")];
   for (const element of commands) {
@@ -86,6 +99,14 @@ document.addEventListener("DOMContentLoaded", () => {
       if (row.classList.contains("remark")) rows[rows.length - 1].push(row); else rows.push([row]);
     }
     const headings = [...table.tHead.rows[0].cells];
+    // On a phone a row of many figures is a card, in which each says its heading.
+    if (headings.length > 4 && !table.className) {
+      table.className = "labelled";
+      for (const [row] of rows) [...row.cells].forEach((cell, index) => {
+        cell.dataset.label = headings[index].textContent.trim();
+        if (cell.textContent.length > 40) cell.classList.add("long");
+      });
+    }
     const csv = make("button", { type: "button", textContent: "CSV" });
     csv.addEventListener("click", () => {
       const cell = (text) => /[",\n]/.test(text) ? '"' + text.replace(/"/g, '""') + '"' : text;
@@ -134,6 +155,7 @@ document.addEventListener("DOMContentLoaded", () => {
     words.value = state.get(table.id + ".words") || "";
     filter();
     const sorted = state.get(table.id + ".sort");
+    if (words.value || sorted) reveal("#" + table.id);
     if (sorted) sort(parseInt(sorted, 10), sorted.endsWith("-"));
   }
 

@@ -132,7 +132,7 @@ pub(crate) fn studies(arguments: &StudiesArguments) -> Result<Outcome, Failure> 
                 let metrics: Vec<MetricRow> = study.metrics().iter().map(MetricRow::from).collect();
                 serde_json::json!({
                     "name": study.name(),
-                    "question": study.question(),
+                    "question": study.chapter().question(),
                     "metrics": metrics,
                 })
             })
@@ -147,7 +147,7 @@ pub(crate) fn studies(arguments: &StudiesArguments) -> Result<Outcome, Failure> 
     let texts: Vec<String> = STUDIES
         .iter()
         .map(|study| {
-            let (name, question) = (study.name(), study.question());
+            let (name, question) = (study.name(), study.chapter().question());
             format!(
                 "{name}\n    {question}\n    {} metrics\n",
                 study.metrics().len()
@@ -165,7 +165,7 @@ fn metrics_as_markdown() -> String {
         text += &format!(
             "\n### Study `{}`\n\n{}\n\n| metric | unit | kind | better | meaning |\n|---|---|---|---|---|\n",
             study.name(),
-            study.question()
+            study.chapter().question()
         );
         for metric in study.metrics() {
             let kind = metric.kind.name();

@@ -111,8 +111,7 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
              exact: least boundary distance, then fewest mismatched pixels. Of several the fastest is named. The same: as \
              recommended; a column without another is left out. A cell: \
              technique, {} with its 95 % interval where there are processes enough, bytes, Hausdorff distance of the \
-             boundary from the reference's, by how much levels of detail moved it, and mismatched pixels. Point at a \
-             cell for the command that draws it.",
+             boundary from the reference's, by how much levels of detail moved it, and mismatched pixels.",
             data.timings.unit(),
         );
         blocks.extend(take::blocks(data, &contests)?);

@@ -53,6 +53,10 @@ impl Chapter for FillingChapter {
         "Region fill on terrain"
     }
 
+    fn question(&self) -> &'static str {
+        "Which technique fills regions on a surface with which error, time and memory?"
+    }
+
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         Some(clock.pick(FILL_GPU_MS, FILL_CPU_MS).name)
     }
@@ -73,7 +77,9 @@ impl Chapter for FillingChapter {
             textured::blocks(&data),
             scenes::blocks(&data)?,
         ];
-        let blocks = sections.into_iter().flatten().collect();
+        let answer = self.answers(run)?.blocks.into_iter();
+        let lead = answer.filter(|block| matches!(block, Block::Lead(_)));
+        let blocks = lead.chain(sections.into_iter().flatten()).collect();
         Ok(with_commands(blocks, run, STUDY))
     }
 

@@ -41,7 +41,8 @@ const SAID: [(&str, &str); 4] = [
     ),
 ];
 
-const COLUMNS: [Column; 22] = [
+/// What is left out stands in `summary.csv`, such as bytes by what they hold.
+const COLUMNS: [Column; 19] = [
     STATUS,
     Column::sampled("fill, {unit} (5–95 %)", FILL_GPU_MS, FILL_CPU_MS),
     Column::sampled("fill, {unit} (5–95 %)", FILL_CPU_MS, FILL_GPU_MS),
@@ -50,9 +51,6 @@ const COLUMNS: [Column; 22] = [
     Column::metric("stencil, {unit}", STENCIL_GPU_MS),
     Column::metric("colour, {unit}", COLOUR_GPU_MS),
     Column::metric("geometry bytes", GEOMETRY_BYTES).written(digits),
-    Column::metric("vertex bytes", VERTEX_BYTES).written(digits),
-    Column::metric("index bytes", INDEX_BYTES).written(digits),
-    Column::metric("constant bytes", CONSTANT_BYTES).written(digits),
     Column::metric("target bytes", TARGET_BYTES).written(digits),
     Column::metric("to prepare, {unit}", PREPARE_CPU_MS),
     Column::metric("draws", DRAWS),

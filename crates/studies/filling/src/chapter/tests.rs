@@ -1331,7 +1331,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
         }
     }
     let pass = row_of(table, "depth-pass/full-screen");
-    assert_eq!(pass[22].title, crate::keys::HAUSDORFF_PX.absent);
+    assert_eq!(pass[19].title, crate::keys::HAUSDORFF_PX.absent);
     let plot = plots(&chapter).next().expect("a plot");
     assert!(plot.contains("1.00 × · 38.7 ms") && !plot.contains("0.215"));
     for word in [

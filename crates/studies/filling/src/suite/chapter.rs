@@ -146,6 +146,10 @@ impl Chapter for ExtremeChapter {
         "Extreme scenes"
     }
 
+    fn question(&self) -> &'static str {
+        "Does every technique survive what globes usually break at: right, or refused as it should be?"
+    }
+
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
         None
     }

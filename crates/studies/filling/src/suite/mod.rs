@@ -32,7 +32,6 @@ pub struct ExtremeStudy {
 impl Study for ExtremeStudy {
     terrafill_study::study_facts!(
         name: EXTREME,
-        question: "Does every technique survive what globes usually break at: right, or refused as it should be?",
         metrics: METRICS,
         conditions: CONDITIONS,
         least_depth: Full,

@@ -39,10 +39,6 @@ impl Study for Small {
         STUDY
     }
 
-    fn question(&self) -> &'static str {
-        STUDIED.question()
-    }
-
     fn metrics(&self) -> &'static [Metric] {
         &METRICS
     }
