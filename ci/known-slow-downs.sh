@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# How near the time gate comes to slow-downs of known size: makes the table of docs/gate.md. Loops that change no
-# pixel are put into the vertex shader of `instanced`, into the fragment shader of covers and before the frame's
-# commands. How often each goes round is a number in the program's bytes, so all programs share their code. The base
-# goes round as well, and so often that no processor foresees the end: whether it does costs as much as several rounds.
-# What a round costs comes from gates of four times as much work and more, one before each; single processes of `bench`,
-# another route, stand beside it. Needs python3, a software driver and half an hour of a machine that does nothing else.
+# How near the time gate comes to slow-downs of known size: makes the table of docs/gate.md, there with the gates
+# v42 v100 f8 f32 c60000 c150000. Loops that change no pixel are put into the vertex shader of `instanced`, into the
+# fragment shader of covers and before the frame's commands. How often each goes round is a number in the program's
+# bytes, so all programs share their code. The base goes round as well, and so often that no processor foresees the end:
+# whether it does costs, we take it, as much as several rounds. Of fragments an eighth goes round. What a round costs
+# comes from gates of four times as much work and more, one before each; single processes of `bench`, another route,
+# stand beside it. Needs python3, a software driver and half an hour of a machine that does nothing else.
 #
 # usage: ci/known-slow-downs.sh OUT [GATES]
 #        ci/known-slow-downs.sh --check     whether the loops still find their places, in a second

@@ -4,13 +4,11 @@
 //! The verdict comes first, then the largest changes of times, which stand there even where nothing fails, then
 //! what decides. A page that nobody reads to its end is no page, so it is short; `gate.json` has everything.
 
-use crate::block::logarithm;
 use crate::output::{blessed, commands, headline, is_faster, scope, title};
 use crate::time::milliseconds;
-use crate::{CaseTime, Finding, Floors, GateReport, Severity, Verdict};
+use crate::{CaseTime, Finding, GateReport, Severity, Verdict};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use terrafill_results::Clock;
 
 /// The first line: whoever posts the page finds the comment by it that it put there before.
 const MARK: &str = "<!-- terrafill gate -->";
@@ -126,32 +124,23 @@ fn pictures(report: &GateReport, names: &Names) -> String {
     text
 }
 
-/// The largest changes of times, each measured by what its kind may change without failing.
+/// The largest changes of times, each over the smallest that fails.
 fn changes(report: &GateReport, names: &Names) -> String {
     let Some(time) = &report.time else {
         return String::new();
     };
-    let floors = Floors::new(Clock::ProcessCpu);
-    // By the floor that is further off: 40 % of three microseconds are nothing.
-    let rank = |case: &CaseTime| {
-        let floor = floors.of(case.span);
-        let factor = 1.0 + 0.01 * case.percent?;
-        let of_percent = logarithm(factor)?.abs() / floor.log();
-        let of_ms = (case.base_ms? * (factor - 1.0)).abs() / floor.ms;
-        Some(of_percent.min(of_ms))
-    };
     let mut cases: Vec<(f64, &CaseTime)> = time
         .cases
         .iter()
-        .filter_map(|case| Some((rank(case)?, case)))
+        .filter_map(|case| Some((case.of_floor?, case)))
         .collect();
     cases.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    let rows = cases.iter().take(MAX_CHANGES).map(|(_, case)| {
+    let rows = cases.iter().take(MAX_CHANGES).map(|(of_floor, case)| {
         let interval = case.interval_percent.map_or(String::new(), |[low, high]| {
             format!(" [{low:+.1} … {high:+.1}]")
         });
         format!(
-            "| `{}` | {} | {} → {} | {:+.1} %{interval} | {} |\n",
+            "| `{}` | {} | {} → {} | {:+.1} %{interval} | {of_floor:.2} | {} |\n",
             names.short(&case.case),
             case.span.name(),
             milliseconds(case.base_ms),
@@ -165,7 +154,7 @@ fn changes(report: &GateReport, names: &Names) -> String {
         return rows;
     }
     format!(
-        "\n### Largest changes of times\n\n| case | time of | base → new | change | where |\n|---|---|---|---|---|\n{rows}"
+        "\n### Largest changes of times\n\n| case | time of | base → new | change | ÷ its floor | where |\n|---|---|---|---|---|---|\n{rows}"
     )
 }
 
@@ -231,7 +220,8 @@ fn short(text: &str, most: usize) -> String {
 mod tests {
     use super::*;
     use crate::made_up_report::{finding, report};
-    use crate::{Gate, Pace, ShownCase, Span, Stage, TimeGate};
+    use crate::{Floors, Gate, Pace, ShownCase, Span, Stage, TimeGate};
+    use terrafill_results::Clock;
 
     fn timed(case: &str, span: Span, percent: f64) -> CaseTime {
         CaseTime {
@@ -249,6 +239,15 @@ mod tests {
             }],
             ..CaseTime::default()
         }
+    }
+
+    fn timed_by(floors: Floors, cases: Vec<CaseTime>) -> TimeGate {
+        let mut time = TimeGate {
+            cases,
+            ..TimeGate::default()
+        };
+        time.measure_by(&floors);
+        time
     }
 
     #[test]
@@ -269,10 +268,7 @@ mod tests {
             base_ms: Some(0.002),
             ..timed("filling/a/globe/setup", Span::Planning, 50.0)
         });
-        pass.time = Some(TimeGate {
-            cases,
-            ..TimeGate::default()
-        });
+        pass.time = Some(timed_by(Floors::new(Clock::ProcessCpu), cases));
         let page = markdown(&pass);
         assert!(
             page.starts_with(MARK) && page.contains("## Gate: PASS"),
@@ -285,11 +281,34 @@ mod tests {
         assert_eq!(rows.len(), 10, "{page}");
         assert_eq!(
             rows[0],
-            "| `a/globe/29` | frame | 10.000 ms → 10.145 ms | +1.5 % | stencil +0.200 ms |"
+            "| `a/globe/29` | frame | 10.000 ms → 10.145 ms | +1.5 % | 0.50 | stencil +0.200 ms |"
         );
         assert!(rows.iter().all(|row| !row.contains("setup")), "{page}");
         // Negative control: without times there is no such table.
         assert!(!markdown(&report(Vec::new())).contains("Largest changes"));
+    }
+
+    #[test]
+    fn changes_stand_by_how_near_they_are_to_the_floors_of_their_gate() {
+        let order = |floors: Floors| {
+            let mut pass = report(Vec::new());
+            let setup = timed("filling/a/globe/setup", Span::Preparation, 28.0);
+            let frame = timed("filling/a/globe/frame", Span::Frame, -2.7);
+            pass.time = Some(timed_by(floors, vec![setup, frame]));
+            let page = markdown(&pass);
+            ["frame", "setup"].map(|name| page.find(&format!("| `a/globe/{name}`")))
+        };
+        let usual = Floors::new(Clock::ProcessCpu);
+        let [frame, setup] = order(usual);
+        assert!(
+            frame.is_some() && frame < setup,
+            "0.93 and 0.61 of the floors"
+        );
+        // Negative control: by a lower floor of preparation the same change is the nearest.
+        let mut low = usual;
+        low.preparation.percent = 20.0;
+        let [frame, setup] = order(low);
+        assert!(setup.is_some() && setup < frame);
     }
 
     #[test]

@@ -261,6 +261,7 @@ pub fn gate(
         let setups = compare_setups(job, &of_setups, &half)?;
         let mut measured = compare_times(job, &of_frames, &by)?;
         measured.cases.extend(setups);
+        measured.measure_by(&by.floors);
         of_time = time_findings(&measured, &new);
         if options.advisory {
             advise(&mut of_time);

@@ -18,7 +18,7 @@
 //! blocks biases these. Where the null moves, the machine did. What these blocks leave undecided is measured
 //! on, for up to [`CONFIRM_ROUNDS`] such rounds, as the time budget allows.
 
-use crate::block::{Block, deviation, differences, level, null_differences, percent};
+use crate::block::{Block, deviation, differences, level, logarithm, null_differences, percent};
 use crate::sides::{Side, Sides, Times, TimingOrder, Trio};
 use crate::threshold::{
     CONFIRM_BLOCKS, CONFIRM_ROUNDS, COVERAGE, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
@@ -98,6 +98,9 @@ pub struct CaseTime {
     pub new_ms: Option<f64>,
     /// Change in percent: Hodges–Lehmann of the deciding blocks, or the first look's median.
     pub percent: Option<f64>,
+    /// The change over the smallest that fails by the floors of this gate.
+    #[serde(default)]
+    pub of_floor: Option<f64>,
     /// 99 % interval of the change in percent; `None` where the first look decided.
     pub interval_percent: Option<[f64; 2]>,
     /// Base against base in the same blocks, percent.
@@ -472,7 +475,24 @@ pub(crate) fn pace(
     (Pace::Same, String::new())
 }
 
+impl TimeGate {
+    /// Measures each case's change by the smallest that fails.
+    pub(crate) fn measure_by(&mut self, floors: &Floors) {
+        for case in &mut self.cases {
+            case.of_floor = case.over(&floors.of(case.span));
+        }
+    }
+}
+
 impl CaseTime {
+    /// Its change over the floor that is further off: 40 % of three microseconds are nothing. `None` without a change.
+    fn over(&self, floor: &Floor) -> Option<f64> {
+        let factor = 1.0 + 0.01 * self.percent?;
+        let of_percent = logarithm(factor)?.abs() / floor.log();
+        let of_ms = (self.base_ms? * (factor - 1.0)).abs() / floor.ms;
+        Some(of_percent.min(of_ms))
+    }
+
     /// `+10.3 % [8.9 … 11.8], 20 of 20 blocks slower, stencil +0.210 ms`.
     #[must_use]
     pub fn sentence(&self) -> String {
