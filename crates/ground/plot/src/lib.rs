@@ -9,7 +9,6 @@
 mod canvas;
 mod courses;
 mod error;
-mod fronts;
 mod labels;
 mod log_log;
 pub mod number;
@@ -24,7 +23,6 @@ mod work_precision;
 
 pub use courses::{Course, Courses};
 pub use error::PlotError;
-pub use fronts::{FrontPanel, FrontPoint, Fronts};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use processes::{DOTS_FACTOR, TWO_GROUPS, dotted};

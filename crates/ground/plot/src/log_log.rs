@@ -142,6 +142,24 @@ pub(crate) fn draw_name(
     canvas.text(name, [at[0] + NAME_INDENT_PX, at[1]], Anchor::Left)
 }
 
+/// A name with the vertical line of its method, the marker at the foot.
+///
+/// # Errors
+/// [`PlotError`].
+pub(crate) fn draw_line_name(
+    canvas: &Canvas<'_>,
+    name: &str,
+    at: [f64; 2],
+    stroke: Stroke,
+) -> Result<(), PlotError> {
+    let [x, y] = at;
+    let foot = [x, y + 0.25 * NAME_PX];
+    let line = [[x, y - 0.45 * NAME_PX], foot];
+    canvas.path(&line, stroke.colour.mix(LINE_OPACITY), 2)?;
+    canvas.marker(foot, stroke)?;
+    canvas.text(name, [x + NAME_INDENT_PX, y], Anchor::Left)
+}
+
 /// Names at the right of a panel, each as near to the height that it wants as the others let it.
 ///
 /// - `names`: height of the curve's end, name as in `palette`, and text

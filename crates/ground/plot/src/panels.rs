@@ -3,7 +3,7 @@
 
 use crate::canvas::svg;
 use crate::log_log::{
-    Frame, NAME_PX, distinct, draw_name, draw_names_aside, names_below, names_width,
+    Frame, NAME_PX, distinct, draw_line_name, draw_name, draw_names_aside, names_below, names_width,
 };
 use crate::palette::Palette;
 use crate::work_precision::{Panel, WorkPrecision};
@@ -35,6 +35,8 @@ pub enum Arrangement {
     SideBySide,
     /// One below the other, for many curves close together.
     Stacked,
+    /// A single one, for many curves close together without lines to hold them against.
+    Alone,
 }
 
 impl Arrangement {
@@ -59,6 +61,12 @@ impl Arrangement {
                     bottom: top + WIDE_PANEL_PX,
                 }
             }
+            Self::Alone => Frame {
+                left: LEFT_MARGIN_PX,
+                right: WIDTH_PX - RIGHT_MARGIN_PX,
+                top: TOP_PX,
+                bottom: TOP_PX + NARROW_PANEL_PX,
+            },
         }
     }
 }
@@ -78,15 +86,16 @@ pub fn panels(
         let panel = Panel::new(plot, frame(index))?;
         Some(match arrangement {
             Arrangement::SideBySide => panel,
-            Arrangement::Stacked => panel.crowded(),
+            Arrangement::Stacked | Arrangement::Alone => panel.crowded(),
         })
     });
     let panels: Vec<Panel<'_>> = panels.collect();
     if panels.is_empty() {
         return Ok(None);
     }
-    let curves = plots.iter().flat_map(|plot| &plot.curves);
-    let names = distinct(curves.map(|curve| &curve.name));
+    let curves = || plots.iter().flat_map(|plot| &plot.curves);
+    let names = distinct(curves().map(|curve| &curve.name));
+    let is_exact = |name: &str| curves().any(|curve| curve.name == name && curve.is_exact());
     let below = frame(plots.len() - 1).bottom + LEGEND_PX;
     let legend = names_below(&names, [LEFT_MARGIN_PX, below]);
     let height = legend.last().map_or(below, |(at, _)| at[1]) + NAME_PX;
@@ -95,7 +104,12 @@ pub fn panels(
             panel.draw(canvas, palette)?;
         }
         for ((at, text), name) in legend.iter().zip(&names) {
-            draw_name(canvas, text, *at, palette.stroke(name))?;
+            let stroke = palette.stroke(name);
+            if is_exact(name) {
+                draw_line_name(canvas, text, *at, stroke)?;
+            } else {
+                draw_name(canvas, text, *at, stroke)?;
+            }
         }
         Ok(())
     })

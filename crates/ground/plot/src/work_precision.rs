@@ -6,9 +6,9 @@
 //! without error stands on a line of its own at the bottom and a failed one on the upper edge: neither
 //! has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is the
 //! exception, since its error may be the answer. It stands where its figures put it, on its curve, with
-//! a cross; of a method that is approximate by nature, with an open mark. The Pareto front joins only
-//! right points that keep their place when processes are drawn again (see
-//! [`terrafill_results::front_survival`]).
+//! a cross; of a method that is approximate by nature, with an open mark. A method that is exact and has
+//! no knob is a vertical line at its cost. The Pareto front joins only right points and exact methods that
+//! keep their place when processes are drawn again (see [`terrafill_results::front_survival`]).
 
 use crate::PlotError;
 use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, TEXT_PX, text_width};
@@ -98,6 +98,8 @@ pub struct Point {
 pub enum PointStanding {
     /// They count.
     Right,
+    /// They count, and no knob trades them: a vertical line at the cost.
+    Exact,
     /// They are known, and too bad: a cross where they put it, and no place on the front.
     Wrong,
     /// They are known, and off by the nature of the method: an open mark where they put it, and no
@@ -210,6 +212,14 @@ const LEADER_CLEARANCE_PX: f64 = 3.0;
 /// Between a crowded panel and the names of its reference lines.
 const LINE_NAMES_PX: f64 = 8.0;
 
+impl Curve {
+    /// Whether it is one vertical line.
+    pub(crate) fn is_exact(&self) -> bool {
+        let mut points = self.points.iter();
+        points.all(|point| point.standing == PointStanding::Exact)
+    }
+}
+
 impl Point {
     fn is_pinned(&self) -> bool {
         self.standing == PointStanding::Failed || self.x.is_none() || self.y.is_none()
@@ -308,7 +318,8 @@ impl<'a> Panel<'a> {
             return Vec::new();
         }
         let judged = self.points.iter().filter_map(|placed| {
-            let counts = placed.point.standing == PointStanding::Right;
+            let standing = placed.point.standing;
+            let counts = matches!(standing, PointStanding::Right | PointStanding::Exact);
             let (x, y) = (placed.point.x.as_ref()?, placed.point.y.as_ref()?);
             let candidate = Candidate {
                 costs: &x.samples,
@@ -364,6 +375,9 @@ impl<'a> Panel<'a> {
             canvas.text(NO_ERROR, middle, Anchor::Middle)?;
         }
         canvas.text("0", [left - 8.0, zero], Anchor::Right)?;
+        if !self.points.iter().any(|placed| placed.is_pinned) {
+            return Ok(());
+        }
         canvas.rule([left, top], [right, top], 0.35)?;
         canvas.text("wrong,", [left - 8.0, top - 7.0], Anchor::Right)?;
         canvas.text("failed", [left - 8.0, top + 7.0], Anchor::Right)
@@ -456,6 +470,13 @@ impl<'a> Panel<'a> {
         stroke: Stroke,
     ) -> Result<(), PlotError> {
         let (point, at) = (placed.point, placed.at);
+        if point.standing == PointStanding::Exact {
+            let foot = [at[0], self.frame.bottom];
+            let line = [[at[0], self.frame.top], foot];
+            canvas.path(&line, stroke.colour.mix(LINE_OPACITY), 2)?;
+            self.add_spot(canvas, placed, foot);
+            return canvas.marker(foot, stroke);
+        }
         let along_x = |value: f64| [self.x.px(value), at[1]];
         let along_y = |value: f64| [at[0], self.height(value)];
         let axes: [(_, &dyn Fn(f64) -> [f64; 2]); 2] = [(&point.x, &along_x), (&point.y, &along_y)];
@@ -473,7 +494,7 @@ impl<'a> Panel<'a> {
             canvas.path(&[at, below], stroke.colour.mix(LINE_OPACITY), 1)?;
             canvas.open_marker(below, stroke.colour)?;
         }
-        self.add_spot(canvas, placed);
+        self.add_spot(canvas, placed, at);
         match point.standing {
             PointStanding::Right => canvas.marker(at, stroke),
             PointStanding::Approximate if !placed.is_pinned => canvas.outlined_marker(at, stroke),
@@ -481,7 +502,7 @@ impl<'a> Panel<'a> {
         }
     }
 
-    fn add_spot(&self, canvas: &Canvas<'_>, placed: &Placed<'_>) {
+    fn add_spot(&self, canvas: &Canvas<'_>, placed: &Placed<'_>, at: [f64; 2]) {
         let point = placed.point;
         let name = match point.label.as_str() {
             "" => placed.name.to_owned(),
@@ -493,7 +514,7 @@ impl<'a> Panel<'a> {
             .filter_map(|(heading, value)| Some((heading, value.as_ref()?.middle)));
         let rms = point.y_rms.map(|rms| ("root mean square", rms));
         canvas.spot(&Spot {
-            at: placed.at,
+            at,
             group: self.plot.title,
             name: &name,
             values: &known.chain(rms).collect::<Vec<_>>(),
@@ -558,6 +579,11 @@ impl<'a> Panel<'a> {
         let size = 2.0 * MARKER_PX + 2.0;
         let mut taken: Vec<Rectangle> = Vec::new();
         for placed in &self.points {
+            if placed.point.standing == PointStanding::Exact {
+                let [x, _] = placed.at;
+                taken.extend(along([x, self.frame.top], [x, self.frame.bottom]));
+                continue;
+            }
             taken.push(Rectangle::around(placed.at, size, size));
             if placed.is_pinned {
                 continue;

@@ -43,16 +43,20 @@ impl Chapter for GlobesChapter {
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let views = surfaces(run).by(VIEW);
-        let blocks = views.iter().filter_map(|(view, cases)| answer(view, cases));
+        let mut blocks = texts(&views);
+        // One shows what the others do: the chapter has them.
+        if let Some((view, cases)) = views.first() {
+            blocks.extend(DRAWINGS[0].block(&title(view), &shown(cases))?);
+        }
         Ok(Answers {
-            blocks: blocks.map(Block::Text).collect(),
+            blocks,
             ..Answers::default()
         })
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
         let views = surfaces(run).by(VIEW);
-        let mut blocks = self.answers(run)?.blocks;
+        let mut blocks = texts(&views);
         blocks.extend((!views.is_empty()).then(|| Block::Text(WHAT_IS_COMPARED.to_owned())));
         for (view, cases) in &views {
             blocks.extend(of_view(view, cases)?);
@@ -71,6 +75,12 @@ impl Chapter for GlobesChapter {
         }
         Ok(with_commands(blocks, run, crate::STUDY))
     }
+}
+
+/// What to take in each view.
+fn texts(views: &[(&str, Cases<'_>)]) -> Vec<Block> {
+    let texts = views.iter().filter_map(|(view, cases)| answer(view, cases));
+    texts.map(Block::Text).collect()
 }
 
 /// Of the surfaces; other parts of the study say which they are.
@@ -93,13 +103,21 @@ fn case_name(case: &Case) -> String {
     }
 }
 
+fn title(view: &str) -> String {
+    format!("View {view}")
+}
+
+/// What plots show. Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would
+/// hide each other.
+fn shown<'a>(cases: &Cases<'a>) -> Cases<'a> {
+    cases.fitting(|case| case.condition(API) != "vulkan")
+}
+
 fn of_view(view: &str, cases: &Cases<'_>) -> Result<Vec<Block>, ChapterError> {
-    let title = format!("View {view}");
+    let title = title(view);
     let mut blocks = vec![Block::section(title.clone())];
-    // Vulkan itself draws the same triangles: its times stand in tables, since twice as many curves would hide each other.
-    let shown = cases.fitting(|case| case.condition(API) != "vulkan");
     for drawing in &DRAWINGS {
-        blocks.extend(drawing.block(&title, &shown)?);
+        blocks.extend(drawing.block(&title, &shown(cases))?);
     }
     blocks.push(Block::Table(SURFACES.table(title.clone(), cases)));
     let with = cases.fitting(|case| EXPECTED.iter().any(|metric| case.value(metric).is_some()));
@@ -295,7 +313,7 @@ mod tests {
     #[test]
     fn each_view_has_an_answer_two_plots_and_two_tables() {
         let (answers, blocks) = blocks(0.0);
-        let [Block::Text(text)] = &answers.blocks[..] else {
+        let [Block::Text(text), Block::Plot(first)] = &answers.blocks[..] else {
             panic!("{answers:?}");
         };
         assert!(
@@ -311,6 +329,10 @@ mod tests {
             })
             .collect();
         assert!(plots.len() >= 2 && plots[1].caption.contains("triangles"));
+        assert_eq!(
+            first, plots[0],
+            "the first page has the plot of the first view"
+        );
         assert!(plots[0].svg.contains("mesh") && !plots[0].svg.contains("absent"));
         let table = blocks.iter().find_map(|block| match block {
             Block::Table(table) => Some(table),
@@ -321,7 +343,7 @@ mod tests {
         assert_eq!(rows[2].remark, "no such surface");
         // Negative control: with holes nothing is fine enough to be named.
         let (answers, _) = self::blocks(7.0);
-        let [Block::Text(text)] = &answers.blocks[..] else {
+        let [Block::Text(text), Block::Plot(_)] = &answers.blocks[..] else {
             panic!("{answers:?}");
         };
         assert!(

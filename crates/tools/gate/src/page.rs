@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(rows.len(), 10, "{page}");
         assert_eq!(
             rows[0],
-            "| `a/globe/29` | frame | 10.000 ms → 10.145 ms | +1.5 % | 0.50 | stencil +0.200 ms |"
+            "| `a/globe/29` | frame | 10.000 ms → 10.145 ms | +1.5 % | 0.49 | stencil +0.200 ms |"
         );
         assert!(rows.iter().all(|row| !row.contains("setup")), "{page}");
         // Negative control: without times there is no such table.

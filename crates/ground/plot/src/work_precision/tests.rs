@@ -283,3 +283,39 @@ fn reference_lines_are_on_the_axis_and_named() {
     let panel = Panel::new(&plot, FRAME).expect("something to draw");
     assert!(panel.y.expect("positive errors").high() < 4.0);
 }
+
+#[test]
+fn an_exact_method_is_a_line_from_edge_to_edge_and_has_its_place_on_the_front() {
+    let traded = [point(1.0, 1.0, 100.0), point(2.0, 4.0, 3.0)];
+    let beside = |cost: f64, standing: PointStanding| {
+        let other = Point {
+            standing,
+            ..point(0.0, cost, 3.0)
+        };
+        plot(Upwards::Error, &[("knob", &traded), ("other", &[other])])
+    };
+    // The grid has such lines too.
+    let lines = |plot: &WorkPrecision<'_>| {
+        let top = format!(",{} ", FRAME.top);
+        let bottom = format!(",{}\"", FRAME.bottom);
+        let svg = drawn(plot);
+        let elements = svg.split('<');
+        elements
+            .filter(|element| element.contains(&top) && element.contains(&bottom))
+            .count()
+    };
+    let on_front = |plot: &WorkPrecision<'_>| {
+        let panel = Panel::new(plot, FRAME).expect("something to draw");
+        let mut points = panel.points.iter();
+        let other = points.find(|placed| placed.name == "other");
+        other.is_some_and(|placed| panel.front.contains(&placed.at))
+    };
+    let exact = beside(2.0, PointStanding::Exact);
+    assert!(exact.curves[1].is_exact() && !exact.curves[0].is_exact());
+    assert!(on_front(&exact));
+    // Negative controls: one that takes longer is on no front, and a point is no line.
+    assert!(!on_front(&beside(8.0, PointStanding::Exact)));
+    let as_point = beside(2.0, PointStanding::Right);
+    assert!(!as_point.curves[1].is_exact());
+    assert_eq!(lines(&exact), lines(&as_point) + 1);
+}

@@ -7,7 +7,7 @@
 
 use super::data::{Data, ViewCases, grouped, is_baseline, label};
 use super::table::or_dash;
-use super::{fronts, memory, needs, take, textured};
+use super::{error_time, memory, needs, take, textured};
 use crate::keys::*;
 use crate::purpose::{Purpose, is_approximate, is_control};
 use terrafill_conformance::MAX_ROUNDED_PX;
@@ -121,7 +121,7 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
             layout: TableLayout::Cards,
             ..Table::of(headings, rows)
         }));
-        blocks.extend(fronts::block(data)?);
+        blocks.push(error_time::of_run(data)?);
         blocks.extend(guide(data, &contests));
     }
     Ok(Answers {

@@ -1,97 +1,163 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Error against run time of one view: two panels side by side, wrong pixels and error of the boundary.
+//! Error against time of one view: a curve for each method through its knob, a vertical line for each exact method.
 //!
-//! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
-//! question stands where its figures put it; any other wrong or failed case stands on the edge.
+//! Knobs are the boundary tolerance of sweeps, the levels of detail of full plans, and the setting of approximate
+//! fills, such as the mask's texels. A fill that is wrong and no point of a sweep is neither curve nor line.
 
-use super::data::{Data, ViewCases, grouped, knob_m, series, setting, standing};
-use crate::keys::{BOUNDARY_DEVIATION_M, MISMATCHED_PX};
-use crate::purpose::{Purpose, is_approximate};
+use super::data::{Data, ViewCases, grouped, knob_m, layout_name, series, setting};
+use crate::keys::{BOUNDARY_LOD_PX, BOUNDARY_MOVED_PX, MISMATCHED_PX};
+use crate::purpose::{Purpose, is_approximate, is_point};
+use crate::request::STUDY;
+use terrafill_conformance::MAX_ROUNDED_PX;
+use terrafill_lab::full_command;
 use terrafill_plot::{
     Arrangement, Curve, Point, PointStanding, Reading, Upwards, WorkPrecision, length, panels,
 };
-use terrafill_results::{Block, Case, ChapterError, Metric, Outcome};
+use terrafill_results::{Block, Case, ChapterError, Outcome};
 
-const CAPTION: &str = "Error against run time; one curve per layout through its boundary tolerance, which labels the \
-    points. Zero errors stand on the line at the bottom; wrong and failed cases (crosses) are pinned to the upper \
-    edge, except those whose error is the question, which stand at it; open marks are approximate fills. Ringed and \
-    joined by dashes: the Pareto front, where at least 95 % of bootstrap resamples of the processes keep it.";
+const CAPTION: &str = "One curve a method through its knob, whose values label the points: boundary tolerance in metres, \
+    levels of detail that move boundaries by so many pixels at most, texels of a mask. Vertical lines: right fills \
+    that move no boundary and have no other value of a knob in this view. Left and low is better. Open marks are \
+    approximate fills, crosses are wrong pictures of sweeps, whose error is the question. Ringed and joined by dashes: the \
+    Pareto front of right fills, where at least 95 % of bootstrap resamples of the processes keep it.";
 
-/// Every fill of a view; nothing when neither panel would hold a point.
+/// For the first page: the view whose fills have the most errors to choose from. Without a choice, what to type for one.
+pub(super) fn of_run(data: &Data<'_>) -> Result<Block, ChapterError> {
+    let plots = data.views.iter().map(|view| (view, curves(data, view)));
+    let most = plots.reduce(|most, next| {
+        if choice(&next.1) > choice(&most.1) {
+            next
+        } else {
+            most
+        }
+    });
+    let plot = most.map(|(view, curves)| plot(data, view, curves));
+    Ok(plot.transpose()?.flatten().unwrap_or_else(|| {
+        let command = full_command(&data.run.environment, STUDY);
+        Block::Text(format!(
+            "No knob of this run trades error for time. To measure some: {command}"
+        ))
+    }))
+}
+
+/// Every method of a view; nothing where there is no error to choose.
 pub(super) fn of_view(
     data: &Data<'_>,
     view: &ViewCases<'_>,
 ) -> Result<Option<Block>, ChapterError> {
-    let title = format!("{}: error against run time", view.title());
-    let across = format!("fill, {}: median, 5–95 % of samples", data.timings.unit());
-    let panel = |title, up, metric| WorkPrecision {
-        title,
-        across: &across,
-        up,
+    plot(data, view, curves(data, view))
+}
+
+fn plot(
+    data: &Data<'_>,
+    view: &ViewCases<'_>,
+    curves: Vec<Curve>,
+) -> Result<Option<Block>, ChapterError> {
+    if choice(&curves).0 < 2 {
+        return Ok(None);
+    }
+    let title = format!("{}: error against time", view.title());
+    let plot = WorkPrecision {
+        title: &title,
+        across: &format!("fill, {}: median, 5–95 % of samples", data.timings.unit()),
+        up: "mismatched pixels",
         upwards: Upwards::Error,
-        curves: curves(data, view, metric),
+        curves,
         lines: Vec::new(),
     };
-    let plots = [
-        panel(
-            "Error against the reference",
-            "mismatched pixels",
-            MISMATCHED_PX,
-        ),
-        panel(
-            "Error of the drawn boundary",
-            "boundary deviation, m",
-            BOUNDARY_DEVIATION_M,
-        ),
-    ];
-    let svg = panels(&title, &plots, Arrangement::SideBySide, data.palette())?;
+    let svg = panels(&title, &[plot], Arrangement::Alone, data.palette())?;
     Ok(Block::plot(CAPTION, svg))
 }
 
-/// The cases as curves, one for each layout.
-pub(super) fn curves(data: &Data<'_>, view: &ViewCases<'_>, metric: &Metric) -> Vec<Curve> {
-    let shown = view.cases.iter().filter(|case| match case.outcome {
-        Outcome::Ok => data.timings.samples(case).is_some() && case.value(metric).is_some(),
-        Outcome::Wrong | Outcome::Failed => true,
-        Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
+/// How many errors the knobs and the approximate fills offer, and by which factor they differ.
+fn choice(curves: &[Curve]) -> (usize, f64) {
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    let points = points.filter(|point| point.standing != PointStanding::Exact);
+    let mut errors: Vec<f64> = points
+        .filter_map(|point| Some(point.y.as_ref()?.middle()))
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors.dedup();
+    let factor = match errors[..] {
+        [least, .., most] => most / least.max(1.0),
+        _ => 1.0,
+    };
+    (errors.len(), factor)
+}
+
+/// Methods in the order of reports, each through its knob.
+pub(super) fn curves(data: &Data<'_>, view: &ViewCases<'_>) -> Vec<Curve> {
+    let cases = view.cases.iter();
+    let shown = cases.filter_map(|case| {
+        let (name, point) = point(data, view, case)?;
+        Some((name, (*case, point)))
     });
-    let curves = grouped(shown, |case| series(case)).into_iter();
-    let curves = curves.map(|(name, cases)| {
-        let points = cases.iter().map(|case| point(data, view, case, metric));
-        Curve {
-            name,
-            points: points.collect(),
+    let methods = grouped(shown, |(name, _)| name.clone()).into_iter();
+    let curves = methods.map(|(name, shown)| {
+        let (cases, mut points): (Vec<&Case>, Vec<Point>) =
+            shown.into_iter().map(|(_, point)| point).unzip();
+        points.sort_by(|a, b| a.knob.total_cmp(&b.knob));
+        // A sweep draws the scene's own tolerance again.
+        points.dedup_by(|a, b| a.label == b.label);
+        if let ([only], true) = (&mut points[..], cases.iter().any(|case| is_exact(case))) {
+            only.standing = PointStanding::Exact;
         }
+        Curve { name, points }
     });
     let mut curves: Vec<Curve> = curves.collect();
-    curves.sort_by(|a, b| a.name.cmp(&b.name));
+    let place = |curve: &Curve| data.palette().place(&curve.name);
+    curves.sort_by(|a, b| (place(a), &a.name).cmp(&(place(b), &b.name)));
     curves
 }
 
-/// A case by its time and an error. Its label is its setting or the knob's value, and what went wrong where something did.
-fn point(data: &Data<'_>, view: &ViewCases<'_>, case: &Case, metric: &Metric) -> Point {
-    let time = |spread| Reading::sampled(spread, &data.timings.replicates(case));
-    let (setting, knob) = (setting(case, view), knob_m(case));
-    let label = match (setting, knob.map(length), case.outcome) {
-        (Some(setting), ..) => setting.to_owned(),
-        (None, Some(knob), Outcome::Ok) => knob,
-        (None, Some(knob), _) if !is_approximate(case) => format!("{knob} {}", standing(case)),
-        (None, None, Outcome::Ok) => "default".to_owned(),
-        _ => standing(case).to_owned(),
+/// Right, and no boundary moved on purpose.
+fn is_exact(case: &Case) -> bool {
+    let moved = case.value(BOUNDARY_MOVED_PX);
+    case.counts()
+        && !is_approximate(case)
+        && !is_point(case)
+        && moved.is_none_or(|px| px <= MAX_ROUNDED_PX)
+}
+
+/// A case's curve and its place there; `None` of what was not timed or compared, or counts for nothing.
+fn point(data: &Data<'_>, view: &ViewCases<'_>, case: &Case) -> Option<(String, Point)> {
+    let standing = match case.outcome {
+        Outcome::Ok | Outcome::Wrong if is_approximate(case) => PointStanding::Approximate,
+        Outcome::Ok => PointStanding::Right,
+        Outcome::Wrong if Purpose::Sweep.is_of(case) => PointStanding::Wrong,
+        _ => return None,
     };
-    let number = setting.and_then(|value| value.parse().ok());
-    Point {
-        knob: number.or(knob).unwrap_or(0.0),
+    let time = data.timings.samples(case)?;
+    let (name, knob, label) = knob(view, case);
+    let point = Point {
+        // What is no number comes first, in the plan's order.
+        knob: knob.unwrap_or(f64::NEG_INFINITY),
         label,
-        x: data.timings.samples(case).map(time),
-        y: case.value(metric).map(Reading::exact),
+        x: Some(Reading::sampled(time, &data.timings.replicates(case))),
+        y: Some(Reading::exact(case.value(MISMATCHED_PX)?)),
         y_rms: None,
-        standing: match case.outcome {
-            _ if case.counts() => PointStanding::Right,
-            Outcome::Wrong if is_approximate(case) => PointStanding::Approximate,
-            Outcome::Wrong if Purpose::Sweep.is_of(case) => PointStanding::Wrong,
-            _ => PointStanding::Failed,
-        },
+        standing,
         command: data.command(case),
+    };
+    Some((name, point))
+}
+
+/// Name of a case's curve, its knob's value, and how that is written.
+fn knob(view: &ViewCases<'_>, case: &Case) -> (String, Option<f64>, String) {
+    if is_approximate(case) {
+        let value = setting(case, view).unwrap_or_default();
+        return (layout_name(case), value.parse().ok(), value.to_owned());
     }
+    if Purpose::FullPlan.is_of(case) {
+        let px = case.condition(BOUNDARY_LOD_PX);
+        let label = match px {
+            "" | "off" => "exact".to_owned(),
+            px => format!("≤ {px} px"),
+        };
+        let name = format!("{}, full plan", layout_name(case));
+        return (name, px.parse().ok(), label);
+    }
+    let tolerance = knob_m(case);
+    let label = tolerance.map_or_else(String::new, length);
+    (series(case), tolerance, label)
 }

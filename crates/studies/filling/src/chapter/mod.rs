@@ -14,7 +14,6 @@ mod comparisons;
 mod data;
 mod error_time;
 mod from_2007;
-mod fronts;
 mod matrix;
 mod memory;
 mod needs;

@@ -72,7 +72,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         blocks.push(Block::section(scene));
         let caption = format!(
             "By {clock}: each right fill over its view's fastest, medians over processes. Points of sweeps and \
-             approximate fills compete with none and stand in the plots of error against run time. Whiskers: 95 % \
+             approximate fills compete with none and stand in the plots of error against time. Whiskers: 95 % \
              interval, where there are five processes or more. Shaded: ties. Dashed: the depth-pass of that view, \
              a full-screen pass that reads depth and writes a constant colour; a yardstick, not a bound. A cross \
              at the right edge has no time that counts."

@@ -1444,54 +1444,137 @@ fn summary_has_its_stable_columns_old_names_and_empty_cells() {
     );
 }
 
-/// The curves of a view's panel of wrong pixels.
-fn curves(run: &MadeUpRun) -> Vec<terrafill_plot::Curve> {
+/// Names of a view's curves, each with labels of its points, and whether it is a vertical line.
+fn curves(run: &MadeUpRun) -> Vec<(String, Vec<String>, bool)> {
     let (_folder, run) = written(run);
     let data = Data::new(&run);
-    error_time::curves(&data, &data.views[0], crate::keys::MISMATCHED_PX)
+    let curves = error_time::curves(&data, &data.views[0]).into_iter();
+    let read = curves.map(|curve| {
+        let mut points = curve.points.iter();
+        let is_line = points.all(|point| point.standing == PointStanding::Exact);
+        let labels = curve.points.into_iter().map(|point| point.label);
+        (curve.name, labels.collect(), is_line)
+    });
+    read.collect()
+}
+
+/// A sweep whose points are planned in no order, a mask by its texels, a full plan by its levels, and fills without a
+/// knob.
+fn knobs() -> MadeUpRun {
+    let mut run = on_cpu();
+    for (key, role, ms, wrong_px) in [
+        ("vertex/doubled", "main", 20.0, 4.0),
+        (
+            "vertex/doubled,boundary-tolerance-m=9000",
+            "sweep",
+            10.0,
+            900.0,
+        ),
+        (
+            "vertex/doubled,boundary-tolerance-m=1000",
+            "sweep",
+            15.0,
+            30.0,
+        ),
+        (
+            "compute/cached,boundary-lod-px=0.5",
+            "main+full-plan",
+            9.0,
+            60.0,
+        ),
+        (
+            "compute/cached,boundary-lod-px=off",
+            "main+full-plan",
+            12.0,
+            4.0,
+        ),
+        ("vertex/pulled", "main", 25.0, 4.0),
+        ("native/gs-line", "main", 30.0, 4.0),
+    ] {
+        timed(&mut run, &format!("s/v/{key}"), &[("role", role)], ms)
+            .figure("mismatched_px", wrong_px);
+    }
+    run.cases[0].figure("boundary_tolerance_m", 50.0);
+    run.cases[1].ended(Status::Wrong, "coarse");
+    for (size, ms, wrong_px) in [("2048", 3.0, 500.0), ("1024", 2.0, 2_000.0)] {
+        let key = format!("s/v/mask-texture/texture,size={size}");
+        timed(
+            &mut run,
+            &key,
+            &[("role", "main"), ("approximate", "yes")],
+            ms,
+        )
+        .figure("mismatched_px", wrong_px)
+        .ended(Status::Wrong, "approximate");
+    }
+    run
 }
 
 #[test]
-fn a_curve_runs_through_its_layout_only_and_no_wrong_case_is_dropped() {
-    let mut run = on_cpu();
-    let sweep = [("role", "sweep")];
-    for (variant, role) in [
-        ("doubled", [("role", "main")]),
-        ("doubled,boundary-tolerance-m=5000", sweep),
-        ("doubled,boundary-tolerance-m=9000", sweep),
-        ("pulled,boundary-tolerance-m=1000", sweep),
-        ("pulled,interior-tolerance-m=5", [("role", "main")]),
-    ] {
-        timed(&mut run, &format!("s/v/vertex/{variant}"), &role, 2.0);
-    }
-    run.cases[2].ended(Status::Wrong, "coarse");
-    run.cases[4].ended(Status::Wrong, "a defect");
+fn a_method_is_a_curve_in_the_order_of_its_knob_and_an_exact_one_without_a_knob_a_line() {
+    let mut run = knobs();
+    let expected = [
+        ("vertex/doubled", "50 m, 1 km, 9 km", false),
+        ("compute/cached, full plan", "exact, ≤ 0.5 px", false),
+        ("native/gs-line", "", true),
+        ("vertex/pulled", "", true),
+        ("mask-texture/texture", "1024, 2048", false),
+    ];
     let found = curves(&run);
-    let names: Vec<(&str, usize)> = found
+    let found: Vec<(&str, String, bool)> = found
         .iter()
-        .map(|c| (c.name.as_str(), c.points.len()))
+        .map(|(name, labels, is_line)| (name.as_str(), labels.join(", "), *is_line))
         .collect();
-    assert_eq!(
-        names,
-        [
-            ("vertex/doubled", 3),
-            ("vertex/pulled", 1),
-            ("vertex/pulled,interior-tolerance-m=5", 1),
-        ],
-        "another switch of a similar name is no knob"
+    let expected = expected.map(|(name, labels, is_line)| (name, labels.to_owned(), is_line));
+    assert_eq!(found, expected);
+    // Negative controls: a wrong fill is no line, nor a point of a curve that is no sweep; one that moves boundaries
+    // on purpose is no line; another switch is no knob.
+    run.cases[4].ended(Status::Wrong, "41 pixels");
+    run.cases[5].ended(Status::Wrong, "41 pixels");
+    run.cases[6].figure("boundary_moved_px", 0.4);
+    timed(
+        &mut run,
+        "s/v/vertex/doubled,walls=list",
+        &[("role", "main")],
+        20.0,
     );
-    let standing = |curve: usize, point: usize| found[curve].points[point].standing;
-    assert_eq!(
-        standing(0, 2),
-        PointStanding::Wrong,
-        "its error is the answer"
-    );
-    assert_eq!(standing(2, 0), PointStanding::Failed);
-    assert_eq!(found[0].points[1].label, "5 km");
-    assert_eq!(found[0].points[2].label, "9 km wrong");
-    // Negative control: what was never drawn has no point.
-    run.cases[4].missing();
-    assert_eq!(curves(&run).len(), 2);
+    let found = curves(&run);
+    let of = |wanted: &str| {
+        let found = found.iter().find(|(name, ..)| name == wanted);
+        found.map(|(_, labels, is_line)| (labels.len(), *is_line))
+    };
+    assert_eq!(of("vertex/pulled"), None);
+    assert_eq!(of("compute/cached, full plan"), Some((1, true)));
+    assert_eq!(of("native/gs-line"), Some((1, false)));
+    assert_eq!(of("vertex/doubled"), Some((3, false)));
+    assert_eq!(of("vertex/doubled,walls=list"), Some((1, true)));
+}
+
+#[test]
+fn the_first_page_has_the_plot_of_the_view_with_the_most_errors_or_the_command_for_one() {
+    let page = |run: &MadeUpRun| {
+        let found = answers(run).blocks;
+        let titles = ["s, v", "s, other"].map(|view| format!("{view}: error against time"));
+        let has = titles.map(|title| plots(&found).any(|svg| svg.contains(&title)));
+        (has, words(&found))
+    };
+    let mut run = knobs();
+    for (key, px) in [("off", 4.0), ("0.5", 70.0)] {
+        let key = format!("s/other/compute/cached,boundary-lod-px={key}");
+        timed(&mut run, &key, &[("role", "main+full-plan")], 9.0).figure("mismatched_px", px);
+    }
+    let command = "To measure some: terrafill bench --study filling --full";
+    let (found, said) = page(&run);
+    assert_eq!(found, [true, false]);
+    assert!(!said.contains(command), "{said}");
+    // Negative control: without a choice of errors there is no plot, and the command is named.
+    for case in &mut run.cases {
+        case.figure("mismatched_px", 4.0);
+    }
+    let (found, said) = page(&run);
+    assert_eq!(found, [false, false]);
+    assert!(said.contains(command), "{said}");
+    assert!(!plots(&section(&run, "s")).any(|svg| svg.contains("error against time")));
 }
 
 #[test]
