@@ -50,6 +50,9 @@ pub trait Technique: Sync + Debug {
     /// The graphics interface. Techniques of one share a device and a set of render targets.
     fn api(&self) -> Api;
 
+    /// What it is, in a line, by its name, and the same of each of its layouts.
+    fn terms(&self) -> &'static [(&'static str, &'static str)];
+
     /// What this machine lacks for any of its variants; `None` where nothing is known to be missing.
     fn missing(&self) -> Option<String> {
         None

@@ -11,7 +11,7 @@ use terrafill_plot::number::{digits, measured_bytes, significant, spread, times}
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, ConditionKey, Estimate,
     Finding, Heading, Kind, Metric, NOT_MEASURED, Outcome, Picture, PictureFigure, Pictures, Row,
-    Run, Table, Timer, sample_spread,
+    Run, Table, Term, Timer, sample_spread,
 };
 
 /// Why a case that ended well has no figure of a column. Others have their own reason.
@@ -375,6 +375,8 @@ pub struct SectionedChapter {
     pub question: &'static str,
     /// What is compared, in a few sentences.
     pub text: &'static str,
+    /// Words of its own.
+    pub terms: &'static [Term],
     /// What ratios and rankings compare.
     pub primary: Figure,
     /// What it offers for the report's first page; its blocks are shown above the sections as well.
@@ -398,6 +400,10 @@ impl Chapter for SectionedChapter {
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         self.primary.metric(clock).map(|metric| metric.name)
+    }
+
+    fn terms(&self) -> &'static [Term] {
+        self.terms
     }
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {

@@ -5,6 +5,9 @@ use crate::folder::{encode, malformed};
 use crate::{Case, Clock, Run, RunError};
 use std::path::Path;
 
+/// A word of reports with its meaning in a line, written where the thing is declared that it names.
+pub type Term = (&'static str, &'static str);
+
 /// One study's part of a report, made from a run's tables alone.
 pub trait Chapter: Sync {
     /// Name of the study whose cases it reads.
@@ -32,6 +35,11 @@ pub trait Chapter: Sync {
     /// As [`Chapter::blocks`].
     fn answers(&self, _run: &Run) -> Result<Answers, ChapterError> {
         Ok(Answers::default())
+    }
+
+    /// Words of its own: conditions, their values, what its plots and columns name.
+    fn terms(&self) -> &'static [Term] {
+        &[]
     }
 
     /// Whether each section of it fills a page of its own.

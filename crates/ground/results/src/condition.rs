@@ -38,16 +38,28 @@ impl std::fmt::Display for ConditionKey {
     }
 }
 
-/// Declares the conditions of a study: a constant for each, and the list `CONDITIONS` of all.
+/// Declares the conditions of a study: a constant for each, the list `CONDITIONS` of all, and `TERMS` with what they and
+/// their values mean.
 ///
-/// - `shared`: names in [`condition`](crate::condition) that other studies have as well
+/// - `shared`: names in [`condition`](crate::condition) that other studies have as well; `GLOSSARY.md` explains them
+/// - a condition without a meaning is explained elsewhere: it is a switch, or stands in `GLOSSARY.md`
+/// - last: values, and other words of its chapter
 #[macro_export]
 macro_rules! conditions {
-    (shared $($shared:ident),*; $($key:ident = $name:literal;)*) => {
+    (
+        shared $($shared:ident),*;
+        $($key:ident = $name:literal $(, $meaning:literal)?;)*
+        $($word:literal = $of_word:literal;)*
+    ) => {
         pub(crate) use $crate::condition::{$($shared),*};
         $(pub(crate) const $key: $crate::ConditionKey = $crate::ConditionKey::declare($name);)*
         /// Every condition of the study's cases.
         pub(crate) const CONDITIONS: &[$crate::ConditionKey] = &[$($shared,)* $($key,)*];
+        /// What conditions, their values and other words of the chapter mean.
+        pub(crate) const TERMS: &[$crate::Term] = &[
+            $($(($name, $meaning),)?)*
+            $(($word, $of_word),)*
+        ];
     };
 }
 

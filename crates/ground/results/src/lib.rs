@@ -39,7 +39,7 @@ pub mod threshold;
 
 pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
-    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
+    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout, Term,
 };
 pub use budget::Budget;
 pub use case::{

@@ -35,6 +35,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            closed form in double precision. State gap: the height above the ground is stored; state height: the \
            height above the ellipsoid, with the ground at 1 km. Times are process CPU time of a second of a \
            ball. Runs of which more than half the balls blew up are at the upper edge of the plots.",
+    terms: crate::metrics::TERMS,
     primary: Figure::Metric(BALL_CPU_US),
     answers,
     sections: &[

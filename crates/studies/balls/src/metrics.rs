@@ -5,16 +5,34 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared PART, SIZE_PX;
-    ARITHMETIC = "arithmetic";
-    BALLS = "balls";
-    DRAWN = "drawn";
-    GROUND = "ground";
-    INTEGRATOR = "integrator";
-    INTERFACE = "interface";
-    STATE = "state";
-    STEPS_PER_SECOND = "steps_per_second";
-    STIFFNESS = "stiffness";
-    WAY = "way";
+    ARITHMETIC = "arithmetic", "f64, f32, or f32 with compensated sums";
+    BALLS = "balls", "how many balls fall at once";
+    DRAWN = "drawn", "how balls are drawn: not at all, in one draw, or in one each";
+    GROUND = "ground", "what balls fall on";
+    INTEGRATOR = "integrator", "how a ball is taken one step further";
+    INTERFACE = "interface", "what takes the steps: the CPU, wgpu or Vulkan";
+    STATE = "state", "where the state of balls lies";
+    STEPS_PER_SECOND = "steps_per_second", "steps for a second of a ball";
+    STIFFNESS = "stiffness", "of the spring between ball and ground, newtons a metre";
+    WAY = "way", "how steps follow each other on a device";
+    "order" = "the power of the step that an error falls with";
+    "explicit-euler" = "position and velocity by the old velocity and acceleration";
+    "symplectic-euler" = "velocity first, then position by the new velocity";
+    "velocity-verlet" = "position by velocity and acceleration, velocity by the mean of both accelerations";
+    "split-verlet" = "velocity-verlet, the step cut where the ball crosses the surface";
+    "rk4" = "Runge–Kutta method of order 4";
+    "implicit-euler" = "by the velocity and the acceleration at the end of the step";
+    "implicit-midpoint" = "by velocity and acceleration in the middle of the step";
+    "reflect-explicit" = "explicit-euler; the velocity turns round whenever the ball is below the surface";
+    "reflect-symplectic" = "symplectic-euler; the velocity turns round whenever the ball is below the surface";
+    "reflect-guarded" = "reflect-symplectic for a ball that moves downwards only, which is put onto the surface";
+    "exact-event" = "the step cut at the time at which the parabola meets the surface";
+    "f32" = "single precision";
+    "rms" = "root mean square";
+    "height" = "of a ball above the ground";
+    "CPU µs" = "microseconds of process CPU time";
+    "worse below it" = "whether a smaller step than the best one has a larger error";
+    "against time" = "error against the time that it takes";
 }
 
 terrafill_results::metrics! {

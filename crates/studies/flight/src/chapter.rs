@@ -27,6 +27,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            is not there yet. “n a frame”: a frame is drawn from what is there; then n pieces are made, those that lack \
            most first. “background”: a thread makes them meanwhile. Pieces that no frame has drawn for longest leave when \
            the memory is full. Pictures on the way are compared with the reference over the very triangles of that frame.",
+    terms: crate::metrics::TERMS,
     primary: Figure::ByClock(FRAME_WALL, FRAME_CPU),
     answers,
     sections: &[Section {

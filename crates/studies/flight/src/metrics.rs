@@ -5,7 +5,7 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared SCENE, TECHNIQUE, VARIANT;
-    PIECES = "pieces";
+    PIECES = "pieces", "how pieces of terrain are made on the way";
 }
 
 /// Note with the path of a case's picture.

@@ -8,7 +8,7 @@ use crate::{counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
-use terrafill_results::{Answers, Block, Case, Chapter, ChapterError, Clock, Metric, Run};
+use terrafill_results::{Answers, Block, Case, Chapter, ChapterError, Clock, Metric, Run, Term};
 
 /// A quarter of a pixel: what no one sees.
 const FINE_PX: f64 = 0.25;
@@ -35,6 +35,10 @@ impl Chapter for GlobesChapter {
 
     fn question(&self) -> &'static str {
         "Which surface draws the body with which error in which time?"
+    }
+
+    fn terms(&self) -> &'static [Term] {
+        crate::metrics::TERMS
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {

@@ -20,6 +20,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     title: "Growth: time to mesh against vertices",
     question: "How does the cost of a mesh grow with its vertices?",
     text: "Made-up shapes are meshed from GeoJSON text on, each in a process of its own.",
+    terms: crate::metrics::TERMS,
     primary: Figure::Metric(TIME),
     answers: |cases| Answers {
         requirements: growth(cases),

@@ -5,8 +5,8 @@ use terrafill_results::{Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared ;
-    OUTLINE_VERTICES = "outline_vertices";
-    SHAPE = "shape";
+    OUTLINE_VERTICES = "outline_vertices", "vertices of an outline";
+    SHAPE = "shape", "family of outlines";
 }
 
 terrafill_results::metrics! {

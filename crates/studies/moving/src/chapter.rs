@@ -33,6 +33,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            “rewrite” meshes strips on the CPU, whose vertices and triangles stay as many, so that they are written where \
            they lie; “reload” uploads the whole scene instead; “remesh” uses the general mesher, whose numbers of vertices \
            change. Every frame is compared with the reference of that frame.",
+    terms: crate::metrics::TERMS,
     primary: Figure::ByClock(FRAME_WALL, FRAME_CPU),
     answers,
     sections: &[Section {

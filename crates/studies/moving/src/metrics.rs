@@ -5,8 +5,8 @@ use terrafill_results::{Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared SCENE, TECHNIQUE, VARIANT;
-    SENSORS = "sensors";
-    UPKEEP = "upkeep";
+    SENSORS = "sensors", "how many sensors sweep";
+    UPKEEP = "upkeep", "how a new footprint reaches the device";
 }
 
 terrafill_results::metrics! {

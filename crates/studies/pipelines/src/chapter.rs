@@ -24,6 +24,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     text: "A square of 2 km of analytic ground is drawn as a grid into 256 × 256 pixels, the whole of it in view. \
            Each pixel shows the number of its triangle or point, which is held against rays in double precision that \
            share nothing with what draws. Heights are 32-bit floats, fetched from a texture where they are not sent.",
+    terms: crate::metrics::TERMS,
     primary: kit::TIME,
     answers,
     sections: &[

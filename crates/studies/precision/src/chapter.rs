@@ -12,7 +12,7 @@ mod tests;
 use crate::metrics::{CPU_NS, GPU_NS, POINTS, ROUTE};
 use data::{Data, MIN_NS, count_of};
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, Outcome, Run};
+use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, Outcome, Run, Term};
 
 /// Errors and costs of the routes to a texture coordinate.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,6 +29,10 @@ impl Chapter for PrecisionChapter {
 
     fn question(&self) -> &'static str {
         "Which formula finds a texture coordinate with which error, at which cost?"
+    }
+
+    fn terms(&self) -> &'static [Term] {
+        crate::metrics::TERMS
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {

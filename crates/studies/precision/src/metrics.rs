@@ -5,18 +5,18 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared PART;
-    ANCHOR = "anchor";
-    CONDITION = "condition";
-    DEPTH_FORMAT = "depth_format";
-    DISTANCE_M = "distance_m";
-    EXTENT_DEG = "extent_deg";
-    FAMILY = "family";
-    HIGHEST_M = "highest_m";
-    KNOB = "knob";
-    LATITUDE_DEG = "latitude_deg";
-    LOWEST_M = "lowest_m";
-    OF_PART = "of_part";
-    ROUTE = "route";
+    ANCHOR = "anchor", "where a region's own coordinates begin";
+    CONDITION = "condition", "what makes the case hard";
+    DEPTH_FORMAT = "depth_format", "format of the depth that positions come from";
+    DISTANCE_M = "distance_m", "of the eye, metres";
+    EXTENT_DEG = "extent_deg", "size of a region, degrees";
+    FAMILY = "family", "kind of formula";
+    HIGHEST_M = "highest_m", "highest ground, metres";
+    KNOB = "knob", "what makes a formula finer";
+    LATITUDE_DEG = "latitude_deg", "of a region, degrees";
+    LOWEST_M = "lowest_m", "lowest ground, metres";
+    OF_PART = "of_part", "part whose worst case this is";
+    ROUTE = "route", "formulas from a position to a texture coordinate";
 }
 
 /// An error by formula.

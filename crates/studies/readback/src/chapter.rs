@@ -18,6 +18,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            new staging buffers and packing rows. On a GPU a read-back is a wait of the CPU outside of every GPU pass, so \
            wall clock is compared; on a software device the CPU itself copies, so process CPU time is. The rate is bytes \
            over wall clock.",
+    terms: crate::metrics::TERMS,
     primary: TIME,
     answers: |cases| {
         let time = cases.clock().pick(WALL, CPU);

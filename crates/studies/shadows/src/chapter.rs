@@ -26,6 +26,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            Shadows are hard: the sun's disc of 0.53° and refraction are left out. In pictures the sea is blue, casters are \
            sand, shadow is dark; purple is not judged. Published: \"about 35 fps\" for part of a trestle dock on a GeForce \
            6800, all optimisations on (Yang & Jin, 2006); no resolution, triangle count, sun or baseline.",
+    terms: crate::metrics::TERMS,
     primary: Figure::Metric(TIME),
     answers,
     sections: &SECTIONS,

@@ -81,6 +81,20 @@ impl Technique for CesiumTechnique {
         API
     }
 
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            (
+                "cesium",
+                "CesiumJS in headless Chromium, what a user would pick instead",
+            ),
+            ("volumes", "its own classification volumes"),
+            (
+                "lookup",
+                "its terrain with this project's lookup of regions in it",
+            ),
+        ]
+    }
+
     fn missing(&self) -> Option<String> {
         needs().err()
     }

@@ -42,6 +42,17 @@ impl Technique for ComputeTechnique {
         terrafill_gpu::API
     }
 
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            (
+                "compute",
+                "shadow volumes on wgpu, which compute shaders expand from regions' stored meshes",
+            ),
+            ("per-frame", "volumes are made anew in every frame"),
+            ("cached", "volumes are made once and kept on the device"),
+        ]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         PARAMETERS
     }

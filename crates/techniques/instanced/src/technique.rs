@@ -35,6 +35,13 @@ impl Technique for InstancedTechnique {
         terrafill_gpu::API
     }
 
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        &[(
+            "instanced",
+            "shadow volumes on wgpu whose walls are instances, one for each edge of a boundary",
+        )]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         PARAMETERS
     }

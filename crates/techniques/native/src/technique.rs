@@ -53,6 +53,39 @@ impl Technique for NativeTechnique {
         terrafill_vulkan::API
     }
 
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            (
+                "native",
+                "shadow volumes on Vulkan itself, which geometry shaders make, with the vertex shader as their control",
+            ),
+            (
+                "vs-control",
+                "the vertex shader makes walls, with the bytes and the shader of vertex/doubled: what geometry shaders are compared with",
+            ),
+            (
+                "gs-degenerate",
+                "a geometry shader makes walls of boundary edges that are stored as degenerate triangles: one draw for caps and walls",
+            ),
+            (
+                "gs-two-edges",
+                "as gs-degenerate; a triangle of boundary vertices stands for two edges in a row, which halves their indices",
+            ),
+            (
+                "gs-line",
+                "geometry shaders make caps of triangles, and walls of line strips along the boundary: two draws",
+            ),
+            (
+                "gs-adjacency",
+                "a geometry shader finds walls by the neighbours of each triangle: one draw",
+            ),
+            (
+                "gs-per-triangle",
+                "a geometry shader makes a closed volume of each triangle of a mesh",
+            ),
+        ]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         PARAMETERS
     }

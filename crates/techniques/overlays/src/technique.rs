@@ -17,6 +17,8 @@ type Open = fn(&SharedTargets, &Variant) -> OpenedBackend;
 #[derive(Debug)]
 pub struct OverlayTechnique {
     name: &'static str,
+    /// What it is and what its kind is, in a line each.
+    terms: &'static [(&'static str, &'static str)],
     /// The first is the kind, the second the knob.
     parameters: &'static [Parameter; 2],
     /// Values of the knob that are compared everywhere.
@@ -31,6 +33,13 @@ pub struct OverlayTechnique {
 /// Regions' triangles at a stated height.
 pub static FLAT_MESH: OverlayTechnique = OverlayTechnique {
     name: "flat-mesh",
+    terms: &[
+        (
+            "flat-mesh",
+            "regions' own triangles at one height, without volumes: approximate on terrain",
+        ),
+        ("flat", "regions' triangles at one height"),
+    ],
     parameters: &[
         Parameter::one_of("mesh", &["flat"], "regions' triangles at one height"),
         Parameter::one_of(flat::HEIGHT, flat::HEIGHTS, "at which height"),
@@ -47,6 +56,13 @@ pub static FLAT_MESH: OverlayTechnique = OverlayTechnique {
 /// Regions cut along the surface's triangles.
 pub static DRAPED_MESH: OverlayTechnique = OverlayTechnique {
     name: "draped-mesh",
+    terms: &[
+        (
+            "draped-mesh",
+            "regions cut along the surface's triangles on the CPU, drawn a little nearer than these",
+        ),
+        ("draped", "regions' triangles lie on the surface's"),
+    ],
     parameters: &[
         Parameter::one_of(
             "mesh",
@@ -71,6 +87,13 @@ pub static DRAPED_MESH: OverlayTechnique = OverlayTechnique {
 /// Regions drawn into a texture that is looked up by depth.
 pub static MASK_TEXTURE: OverlayTechnique = OverlayTechnique {
     name: "mask-texture",
+    terms: &[
+        (
+            "mask-texture",
+            "regions drawn into a texture, which every pixel of the surface looks itself up in",
+        ),
+        ("texture", "of mask-texture: its only layout"),
+    ],
     parameters: &[
         Parameter::one_of(
             "mask",
@@ -108,6 +131,10 @@ impl Technique for OverlayTechnique {
 
     fn api(&self) -> Api {
         terrafill_gpu::API
+    }
+
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        self.terms
     }
 
     fn parameters(&self) -> &'static [Parameter] {

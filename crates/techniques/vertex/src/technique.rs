@@ -87,6 +87,31 @@ impl Technique for VertexTechnique {
         terrafill_gpu::API
     }
 
+    fn terms(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            (
+                "vertex",
+                "shadow volumes on wgpu, which the vertex shader extrudes from regions' stored meshes",
+            ),
+            (
+                "doubled",
+                "vertices are stored twice, for the top and the bottom cap, 16 bytes each",
+            ),
+            (
+                "separate",
+                "positions are stored twice, 12 bytes each; which cap they belong to lies in a buffer that regions share",
+            ),
+            (
+                "per-triangle",
+                "every triangle of a mesh is a closed volume of its own: the first version of 2007",
+            ),
+            (
+                "pulled",
+                "vertices are stored once, 12 bytes each; the shader works out the rest from their number",
+            ),
+        ]
+    }
+
     fn parameters(&self) -> &'static [Parameter] {
         PARAMETERS
     }

@@ -10,6 +10,7 @@
 
 mod clocks;
 mod error;
+mod glossary;
 mod markdown;
 mod pages;
 mod picture;
@@ -18,5 +19,6 @@ mod view;
 mod write;
 
 pub use error::ReportError;
+pub use glossary::TermGroup;
 pub use verdict::{Counts, Verdict};
 pub use write::{WrittenReport, write, write_page, write_single_file};

@@ -2,6 +2,7 @@
 //! The pages of a report: which there are, how they refer to each other, and what the first one says.
 
 use crate::ReportError;
+use crate::glossary::{Glossary, collect};
 use crate::verdict::{Sentences, Verdict, plural};
 use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
 use askama::Template;
@@ -16,6 +17,7 @@ const STYLE: &str = include_str!("../templates/report.css");
 const SCRIPT: &str = include_str!("../templates/report.js");
 const TITLE: &str = "Measurement report";
 const GLOSSARY: &str = "Glossary";
+const WORDS: &str = "Words on this page";
 const CASES: &str = "Missing, wrong and skipped cases";
 
 /// Letters of a commit on the first screen; the whole name is under "Environment".
@@ -44,6 +46,22 @@ pub(crate) struct Report<'a> {
     pub(crate) skipped_cases: Vec<(&'a str, Vec<String>)>,
     pub(crate) contradictions: Vec<String>,
     pub(crate) parts: &'a [Part<'a>],
+    pub(crate) glossary: Glossary,
+}
+
+impl Report<'_> {
+    /// What the words of its chapters and its first page mean, and every metric of the run.
+    fn all_words(&self) -> Result<String, askama::Error> {
+        let metrics = self.run.metrics.iter();
+        let mut texts = metrics
+            .map(|metric| metric.name.replace('_', " "))
+            .collect();
+        for (_, blocks, answers) in self.parts {
+            collect(blocks, &mut texts);
+            collect(&answers.blocks, &mut texts);
+        }
+        self.glossary.of(&texts).render()
+    }
 }
 
 /// A page to be, beside the first one.
@@ -194,12 +212,6 @@ struct Lists<'a> {
     contradictions: &'a [String],
 }
 
-#[derive(Template)]
-#[template(path = "glossary.html")]
-struct Glossary<'a> {
-    metrics: &'a [MetricRow],
-}
-
 /// Every page of the report with the files beside it, the first page last.
 ///
 /// # Errors
@@ -252,14 +264,13 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
     let mut absent = BTreeSet::new();
     for leaf in &leaves {
         let mut renderer = Renderer::new(report.run, report.form, &leaf.stem, ROOT, &links);
-        let body = asked(leaf.question) + &renderer.html(leaf.blocks)?;
+        let mut body = asked(leaf.question) + &renderer.html(leaf.blocks)?;
+        body.push_str(&words(&report.glossary, [leaf.blocks])?);
         absent.append(&mut renderer.take_absent());
         files.extend(renderer.into_files());
         files.push(page(&leaf.title, &leaf.file, ROOT, body)?);
     }
-    let metrics = &report.run.metrics;
-    let body = Glossary { metrics }.render()?;
-    files.push(page(GLOSSARY, &glossary, ROOT, body)?);
+    files.push(page(GLOSSARY, &glossary, ROOT, report.all_words()?)?);
     let lists = if is_long(report) {
         files.push(page(CASES, &cases, ROOT, lists(report)?)?);
         shortened(report, &cases)
@@ -267,7 +278,10 @@ fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         lists(report)?
     };
     let mut renderer = Renderer::new(report.run, report.form, "index", "", &links);
-    let body = front(report, &mut renderer, lists, absent)?;
+    let mut body = front(report, &mut renderer, lists, absent)?;
+    let answers = report.parts.iter();
+    let answers = answers.map(|(_, _, answers)| answers.blocks.as_slice());
+    body.push_str(&words(&report.glossary, answers)?);
     files.extend(renderer.into_files());
     files.push(page(TITLE, INDEX, "", body)?);
     Ok(files)
@@ -299,8 +313,7 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         chapters.push_str(&folded(is_open, &heading, &html));
     }
     let mut body = front(report, &mut renderer, lists(report)?, BTreeSet::new())?;
-    let metrics = &report.run.metrics;
-    let glossary = Glossary { metrics }.render()?;
+    let glossary = report.all_words()?;
     body.push_str(&chapters);
     let heading = format!("<h2 id=\"glossary\">{GLOSSARY}</h2>");
     body.push_str(&folded(false, &heading, &glossary));
@@ -333,6 +346,21 @@ fn asked(question: &str) -> String {
         "" => String::new(),
         question => format!("<p class=\"question\">{question}</p>\n"),
     }
+}
+
+/// What the words of a page mean, folded at its end: its script says each where it stands.
+fn words<'a>(
+    glossary: &Glossary,
+    parts: impl IntoIterator<Item = &'a [Block]>,
+) -> Result<String, askama::Error> {
+    let mut texts = BTreeSet::new();
+    for blocks in parts {
+        collect(blocks, &mut texts);
+    }
+    let entries = glossary.of(&texts).render()?;
+    Ok(format!(
+        "<details class=\"words\"><summary>{WORDS}</summary>\n{entries}</details>\n"
+    ))
 }
 
 /// A page that needs no other file.
@@ -371,7 +399,8 @@ pub(crate) fn alone(
         cases: Vec::new(),
     };
     let links = links_within(blocks).collect();
-    let body = Renderer::new(&run, Form::SingleFile, "page", "", &links).html(blocks)?;
+    let mut body = Renderer::new(&run, Form::SingleFile, "page", "", &links).html(blocks)?;
+    body.push_str(&words(&Glossary::new([], &run.metrics), [blocks])?);
     let nav = NavGroup {
         title: title.to_owned(),
         href: "#".to_owned(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a run folder's tables to the files of its report.
 
+use crate::glossary::{Glossary, TermGroup};
 use crate::pages::{Report, alone, pages};
 use crate::verdict::{
     Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences, that_are,
@@ -64,11 +65,17 @@ struct NoiseFile {
 /// `summary.md`, `result.json`, and the tables that the chapters derive. Each replaces an older one in
 /// one step, so a reader never meets half a file; `pages/` keeps nothing of an older report.
 ///
+/// - `terms`: words that chapters have in common, such as names of techniques and switches
+///
 /// # Errors
 /// [`ReportError::Chapter`] when the folder holds no run, or a file in it does not fit the schema;
 /// [`ReportError::Io`] when a file cannot be written.
-pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, ReportError> {
-    write_as(folder, chapters, Form::Pages)
+pub fn write(
+    folder: &Path,
+    chapters: &[&dyn Chapter],
+    terms: Vec<TermGroup>,
+) -> Result<WrittenReport, ReportError> {
+    write_as(folder, chapters, terms, Form::Pages)
 }
 
 /// Writes the same report with all its pages and pictures in `index.html`, which needs no file beside
@@ -79,8 +86,9 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
 pub fn write_single_file(
     folder: &Path,
     chapters: &[&dyn Chapter],
+    terms: Vec<TermGroup>,
 ) -> Result<WrittenReport, ReportError> {
-    write_as(folder, chapters, Form::SingleFile)
+    write_as(folder, chapters, terms, Form::SingleFile)
 }
 
 /// Writes one page of blocks into `folder`, which is made where there is none: `index.html`, which
@@ -104,6 +112,7 @@ pub fn write_page(
 fn write_as(
     folder: &Path,
     chapters: &[&dyn Chapter],
+    mut terms: Vec<TermGroup>,
     form: Form,
 ) -> Result<WrittenReport, ReportError> {
     let run = Run::load(folder)?;
@@ -117,6 +126,7 @@ fn write_as(
     for chapter in chapters {
         let (blocks, answers) = (chapter.blocks(&run)?, chapter.answers(&run)?);
         if !blocks.is_empty() {
+            terms.push((chapter.title(), chapter.terms().to_vec()));
             parts.push((*chapter, blocks, answers));
         }
         let tables = chapter.tables(&run)?.into_iter();
@@ -176,6 +186,7 @@ fn write_as(
             .flat_map(|c| c.contradictions(&run))
             .collect(),
         parts: &parts,
+        glossary: Glossary::new(terms, &run.metrics),
     };
     // The first page last: what it refers to is there.
     files.extend(pages(&report)?);

@@ -53,13 +53,30 @@ document.addEventListener("DOMContentLoaded", () => {
   const says = (element, text) => {
     const open = () => { clearTimeout(leaving); show(element, text, element.dataset.command); };
     element.addEventListener("pointerenter", open);
-    element.addEventListener("focus", open);
+    element.addEventListener("focusin", open);
     element.addEventListener("click", open);
     element.addEventListener("pointerleave", () => {
       leaving = setTimeout(() => { if (!tip || !tip.matches(":hover")) hide(); }, 300);
     });
-    element.addEventListener("blur", hide);
+    element.addEventListener("focusout", hide);
+    element.classList.add("says");
   };
+
+  // What the words of a text mean, a line each: those that the glossary on this page has.
+  const meanings = new Map();
+  for (const entry of document.querySelectorAll(".glossary div")) {
+    const word = entry.querySelector("code").textContent;
+    const key = word.toLowerCase().replace(/_/g, " ");
+    meanings.set(key, (meanings.get(key) || []).concat(word + ": " + entry.querySelector("dd").textContent));
+  }
+  const longestFirst = [...meanings.keys()].sort((a, b) => b.length - a.length);
+  const word = new RegExp("(?<![\\p{L}\\p{N}-])(" + longestFirst.map((key) => key.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")).join("|") + ")(?=(?:e?s)?(?![\\p{L}\\p{N}-]))", "giu");
+  const explained = (text) => {
+    const found = meanings.size ? [...text.replace(/_/g, " ").matchAll(word)] : [];
+    return [...new Set(found.flatMap(([key]) => meanings.get(key.toLowerCase())))].join("\n");
+  };
+  // A cell's own text without its small print.
+  const own = (cell) => [...cell.childNodes].filter((n) => !(n.classList && n.classList.contains("detail"))).map((n) => n.textContent).join("").trim();
   for (const spot of document.querySelectorAll(".spot")) {
     const title = spot.querySelector("title");
     spot.setAttribute("aria-label", title.textContent);
@@ -68,11 +85,12 @@ document.addEventListener("DOMContentLoaded", () => {
   }
   for (const cell of document.querySelectorAll("[data-command]:not(.spot)")) {
     cell.tabIndex = 0;
-    says(cell, cell.dataset.command.startsWith("terrafill render") ? "Draw it again:" : "To see more:");
+    const what = cell.dataset.command.startsWith("terrafill render") ? "Draw it again:" : "To see more:";
+    says(cell, cell.matches("th, .name") ? [explained(own(cell)), what].filter(Boolean).join("\n") : what);
   }
   document.addEventListener("keydown", (event) => { if (event.key === "Escape") hide(); });
   document.addEventListener("pointerdown", (event) => {
-    if (tip && !tip.contains(event.target) && !event.target.closest(".spot, [data-command]")) hide();
+    if (tip && !tip.contains(event.target) && !event.target.closest(".says")) hide();
   });
 
   // Tables: sorted by a heading, filtered by words and status; the address keeps both.
@@ -89,8 +107,6 @@ document.addEventListener("DOMContentLoaded", () => {
     const text = state.toString();
     history.replaceState(null, "", text ? "#~" + text : location.href.split("#")[0]);
   };
-  // A cell's own text without its small print.
-  const own = (cell) => [...cell.childNodes].filter((n) => !(n.classList && n.classList.contains("detail"))).map((n) => n.textContent).join("").trim();
   for (const table of document.querySelectorAll("table")) {
     const body = table.tBodies[0];
     // A remark belongs to the row above it.
@@ -157,6 +173,29 @@ document.addEventListener("DOMContentLoaded", () => {
     const sorted = state.get(table.id + ".sort");
     if (words.value || sorted) reveal("#" + table.id);
     if (sorted) sort(parseInt(sorted, 10), sorted.endsWith("-"));
+  }
+
+  // Columns, names of rows, legends and answers say what their words mean.
+  const met = new Set();
+  for (const named of document.querySelectorAll("thead th, tbody th:not([data-command]), td.name:not([data-command]), .plot text")) {
+    const lines = [named.title, explained(own(named))].filter(Boolean).join("\n");
+    if (!lines || named.closest(".spot")) continue;
+    named.removeAttribute("title");
+    const button = named.querySelector("button");
+    // The tab key stops at each name once.
+    if (button) button.removeAttribute("title"); else named.setAttribute("tabindex", met.has(lines) ? -1 : 0);
+    met.add(lines);
+    says(named, lines);
+  }
+  for (const answer of document.querySelectorAll(".lead, .chapter > .names li")) {
+    const pieces = meanings.size ? answer.textContent.split(word) : [];
+    if (pieces.length < 2 || answer.children.length) continue;
+    answer.replaceChildren(...pieces.map((piece, index) => {
+      if (index % 2 === 0) return piece;
+      const term = make("span", { className: "term", textContent: piece, tabIndex: 0 });
+      says(term, explained(piece));
+      return term;
+    }));
   }
 
   // In a single file plots have no drawings beside them.

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::Path;
-use terrafill_report::{ReportError, Verdict, WrittenReport, write, write_single_file};
+use terrafill_report::{ReportError, TermGroup, Verdict, WrittenReport, write, write_single_file};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
     Answers, Block, CaseId, Cell, CellClass, Chapter, ChapterError, Choice, Clock, DerivedTable,
@@ -20,6 +20,14 @@ const METRICS: [Metric; 1] = [Metric::less(
     Kind::Time,
     "Process CPU time of the <fill>.",
 )];
+
+/// Words of the made-up run's names, and one that stands nowhere.
+fn terms() -> Vec<TermGroup> {
+    vec![(
+        "Fills",
+        vec![("asked", "what was <wanted>"), ("nowhere", "in no report")],
+    )]
+}
 
 /// A table of all cases with their times, a finding, and the cases' pictures.
 struct TimesChapter;
@@ -171,7 +179,7 @@ struct Report {
 }
 
 fn report_in(folder: &Path) -> Report {
-    let written = write(folder, &[&TimesChapter]).expect("a report");
+    let written = write(folder, &[&TimesChapter], terms()).expect("a report");
     let read = |file: &str| fs::read_to_string(folder.join(file)).expect("the file");
     let index = read("index.html");
     let pages = files(&folder.join("pages"));
@@ -388,7 +396,7 @@ fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
     picture(folder.path(), "b.png", 9);
     fs::write(folder.path().join("images/torn.png"), "P").expect("writable");
     let single = |folder: &Path| {
-        write_single_file(folder, &[&TimesChapter]).expect("a report");
+        write_single_file(folder, &[&TimesChapter], terms()).expect("a report");
         fs::read_to_string(folder.join("index.html")).expect("the file")
     };
     report_in(folder.path());
@@ -501,7 +509,7 @@ fn a_missing_table_and_a_wrong_cell_are_refused_with_their_place() {
     let text = fs::read_to_string(&cases).expect("the file");
     fs::write(&cases, text.replace(",skipped,", ",maybe,")).expect("writable");
     let refused = || {
-        write(folder.path(), &[&TimesChapter])
+        write(folder.path(), &[&TimesChapter], terms())
             .expect_err("refused")
             .to_string()
     };
@@ -520,7 +528,7 @@ fn a_missing_table_and_a_wrong_cell_are_refused_with_their_place() {
     assert!(refused().contains("measurements.csv: found no such file"));
     assert!(!folder.path().join("index.html").exists());
     let empty = tempfile::tempdir().expect("a folder");
-    let error = write(empty.path(), &[]).expect_err("no run");
+    let error = write(empty.path(), &[], terms()).expect_err("no run");
     assert!(
         matches!(error, ReportError::Chapter(ChapterError::Run(_))),
         "{error}"
@@ -668,4 +676,20 @@ fn a_single_file_folds_chapters_and_sections_below_the_open_answers() {
     let pages = report_in(folder.path()).html;
     assert!(!pages.contains("class=\"part\""));
     assert!(pages.contains("<p class=\"question\">Which is fastest?</p>"));
+}
+
+#[test]
+fn each_word_of_a_page_is_explained_on_it_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run().write(folder.path()).expect("a run");
+    report_in(folder.path());
+    let page = |file: &str| fs::read_to_string(folder.path().join(file)).expect("a page");
+    let entry = "<dt><code>asked</code></dt><dd>what was &#60;wanted&#62;</dd>";
+    let pages = ["pages/filling.html", "pages/glossary.html"].map(page);
+    write_single_file(folder.path(), &[&TimesChapter], terms()).expect("a report");
+    for html in pages.into_iter().chain([page("index.html")]) {
+        assert_eq!(html.matches(entry).count(), 1);
+        // Negative control: a word that stands nowhere.
+        assert!(!html.contains("nowhere"));
+    }
 }

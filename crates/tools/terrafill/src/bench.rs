@@ -16,6 +16,7 @@ use crate::read::Read;
 use crate::registry::{RIVALS, STUDIES, chapters, metrics, metrics_of};
 use crate::report::print_report;
 use crate::stop::{say_when_stopped, what_is_kept};
+use crate::techniques::terms;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -204,7 +205,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     );
     let run = Run::load(&arguments.out).map_err(Failure::bad_input)?;
     print_report(
-        terrafill_report::write(&arguments.out, &chapters()),
+        terrafill_report::write(&arguments.out, &chapters(), terms()),
         &format!("{counts}{}", answer_text(&run)),
         arguments.open,
     )
@@ -521,7 +522,8 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
         terrafill_report::write
     };
     keep(&arguments.budget, &arguments.run)?;
-    print_report(write(&arguments.run, &chapters()), "", arguments.open)
+    let written = write(&arguments.run, &chapters(), terms());
+    print_report(written, "", arguments.open)
 }
 
 /// Puts limits that are given into the folder of a run: reports answer by them.
@@ -542,7 +544,7 @@ pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
     }
     terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
         .map_err(Failure::bad_input)?;
-    let report = terrafill_report::write(&arguments.out, &chapters());
+    let report = terrafill_report::write(&arguments.out, &chapters(), terms());
     print_report(report, "", false)
 }
 

@@ -10,6 +10,7 @@ use crate::outcome::{Failure, Outcome, complain};
 use crate::registry::chapters;
 use crate::report::print_report;
 use crate::stop::{STOPPED_ENDS, say_when_stopped};
+use crate::techniques::terms;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -53,7 +54,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let run = Run::load(out).map_err(Failure::bad_input)?;
     let sentence = extreme_sentence(&run).unwrap_or_default();
     print_report(
-        terrafill_report::write(out, &chapters()),
+        terrafill_report::write(out, &chapters(), terms()),
         &format!("{sentence}\n"),
         arguments.open,
     )

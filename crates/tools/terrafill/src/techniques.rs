@@ -3,12 +3,15 @@
 
 use crate::arguments::TechniquesArguments;
 use crate::outcome::{Failure, Outcome, print, print_json};
-use crate::registry::TECHNIQUES;
+use crate::registry::{RIVALS, TECHNIQUES};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use terrafill_contract::Technique;
 use terrafill_core::MeshOptions;
+use terrafill_report::TermGroup;
+use terrafill_results::Term;
 use terrafill_scene::{Overlap, choices};
+use terrafill_stencil::needs_ablation;
 use terrafill_variant::Variant;
 
 /// Switch of the meshes that go into every technique.
@@ -25,6 +28,37 @@ fn switches(variant: &Variant) -> Vec<(&'static str, Vec<&'static str>, &'static
         "how far a boundary's chords may lie from its geodesics",
     ));
     all
+}
+
+/// What reports call fills, their switches and the steps of their ablations, each with its meaning once.
+pub(crate) fn terms() -> Vec<TermGroup> {
+    let all = || TECHNIQUES.iter().chain(RIVALS).copied();
+    let techniques = all().flat_map(|technique| technique.terms().to_vec());
+    let own_switches = all().flat_map(|technique| {
+        // A layout stands in names by its value alone.
+        let layout = technique.parameters().first().map(|own| own.key);
+        let switches = switches(&technique.main(Overlap::Disjoint)).into_iter();
+        let switches = switches.filter(move |(key, ..)| Some(*key) != layout);
+        switches.map(|(key, _, meaning)| (key, meaning))
+    });
+    let steps = all().flat_map(|technique| {
+        let scenes = [Overlap::Disjoint, Overlap::Ordered].into_iter();
+        let steps = scenes.flat_map(move |overlap| {
+            let needs = needs_ablation(technique, overlap, true);
+            technique.ablation(overlap).into_iter().chain(needs)
+        });
+        steps.map(|step| (step.name, step.change))
+    });
+    vec![
+        ("Techniques and their layouts", distinct(techniques)),
+        ("Switches", distinct(own_switches)),
+        ("Steps of ablations", distinct(steps)),
+    ]
+}
+
+fn distinct(terms: impl Iterator<Item = Term>) -> Vec<Term> {
+    let terms: BTreeSet<Term> = terms.collect();
+    terms.into_iter().collect()
 }
 
 /// The keys of the same, in place of one that is none of them.
@@ -53,6 +87,8 @@ struct Switch {
 struct ListedTechnique {
     name: &'static str,
     api: &'static str,
+    /// What it is, in a line.
+    meaning: &'static str,
     /// Its pictures differ from the reference by nature.
     approximate: bool,
     switches: Vec<Switch>,
@@ -80,6 +116,7 @@ impl ListedTechnique {
         Self {
             name: technique.name(),
             api: technique.api().name,
+            meaning: technique.terms().first().map_or("", |(_, meaning)| meaning),
             approximate: technique.is_approximate(&main),
             switches: switches.collect(),
         }
@@ -145,7 +182,7 @@ pub(crate) fn text() -> String {
             .to_owned();
     for technique in &listed {
         text += &format!(
-            "{} ({}{})\n{}",
+            "{} ({}{})\n    {}\n{}",
             technique.name,
             technique.api,
             if technique.approximate {
@@ -153,6 +190,7 @@ pub(crate) fn text() -> String {
             } else {
                 ""
             },
+            wrapped(technique.meaning, 90).join("\n    "),
             technique.lines(true)
         );
     }
@@ -175,6 +213,7 @@ pub(crate) fn run(arguments: &TechniquesArguments) -> Result<Outcome, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_contract::layouts;
 
     #[test]
     fn every_switch_is_listed_and_its_default_is_a_value_that_is_read() {
@@ -219,6 +258,25 @@ mod tests {
         let switches = listed[0].switches.iter().filter(|switch| !switch.own);
         let planned = switches.filter(|switch| switch.full_plan.as_ref() != Some(&switch.default));
         assert!(planned.count() > 5);
+    }
+
+    #[test]
+    fn every_technique_and_layout_has_a_line_that_reports_show() {
+        let terms = terms();
+        let explained = |word: &str| {
+            let mut all = terms.iter().flat_map(|(_, terms)| terms);
+            all.any(|(own, meaning)| *own == word && !meaning.is_empty())
+        };
+        for technique in TECHNIQUES.iter().chain(RIVALS) {
+            let layouts = layouts(*technique, Overlap::Disjoint);
+            let layouts = layouts.iter().map(|variant| variant.layout().to_owned());
+            for word in layouts.chain([technique.name().to_owned()]) {
+                assert!(explained(&word), "{}: {word}", technique.name());
+            }
+        }
+        assert!(explained("depth-rule") && explained("horizon"));
+        // Negative control: a layout that no technique has.
+        assert!(!explained("gs-made-up"));
     }
 
     #[test]

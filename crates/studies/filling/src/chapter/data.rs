@@ -176,10 +176,40 @@ impl<'a> Data<'a> {
             marker: if is_baseline(case) {
                 String::new()
             } else {
-                self.palette().marker(&marked(case))
+                self.palette().marker(&self.marked(case))
             },
             command: self.command(case),
             ..Cell::name(text)
+        }
+    }
+
+    /// As [`label`]; a point of a full plan's sweep is named after the plan, too.
+    pub(super) fn label(&self, case: &Case) -> String {
+        match swept_m(case).filter(|_| !Purpose::FullPlan.is_of(case)) {
+            Some(knob) => format!("{} · {}", self.curve(case), terrafill_plot::length(knob)),
+            None => label(case),
+        }
+    }
+
+    /// What is one curve, by the name of the full plan that lies on it, if one does.
+    pub(super) fn curve(&self, case: &Case) -> String {
+        let plan = self.plan_of(case);
+        plan.map_or_else(|| series(case), label)
+    }
+
+    /// The full plan on whose curve a case lies.
+    pub(super) fn plan_of(&self, case: &Case) -> Option<&'a Case> {
+        let own = series(case);
+        let mut beside = self.beside(case).iter().copied();
+        beside.find(|other| Purpose::FullPlan.is_of(other) && series(other) == own)
+    }
+
+    /// The series whose colour and marker a case has on every page: a full plan those of its layout.
+    pub(super) fn marked(&self, case: &Case) -> String {
+        if Purpose::FullPlan.is_of(case) {
+            layout_name(case)
+        } else {
+            self.curve(case)
         }
     }
 
@@ -286,11 +316,15 @@ impl<'a> Data<'a> {
     fn all_series(&self) -> Vec<String> {
         let of_view = |view: &ViewCases<'a>| {
             let cases = view.cases.iter().chain(&view.rivals);
-            distinct(cases.map(|case| marked(case)))
+            distinct(cases.map(|case| self.marked(case)))
         };
         let mut series: Vec<String> = SHIPPED.map(str::to_owned).to_vec();
         let mut others = distinct(self.views.iter().flat_map(of_view));
-        others.retain(|name| !series.contains(name));
+        // A full plan has the place of its layout.
+        others.retain(|name| {
+            name.split(", ")
+                .all(|part| !series.iter().any(|own| own == part))
+        });
         others.sort();
         series.extend(others);
         series
@@ -329,24 +363,20 @@ pub(super) fn label(case: &Case) -> String {
         };
         return format!("{}, full plan{levels}", layout_name(case));
     }
-    match knob_m(case).filter(|_| Purpose::Sweep.is_of(case)) {
+    match swept_m(case) {
         Some(knob) => format!("{} · {}", series(case), terrafill_plot::length(knob)),
         None => name(case),
     }
 }
 
-/// The series whose colour and marker a case has on every page: a full plan those of its layout.
-pub(super) fn marked(case: &Case) -> String {
-    if Purpose::FullPlan.is_of(case) {
-        layout_name(case)
-    } else {
-        series(case)
-    }
+/// The value of the knob that a sweep turns; nothing of other cases.
+fn swept_m(case: &Case) -> Option<f64> {
+    knob_m(case).filter(|_| Purpose::Sweep.is_of(case))
 }
 
 /// What is one curve: technique and variant without the knob. Whatever is chosen of an approximate fill is one: it says
 /// how far it is off.
-pub(super) fn series(case: &Case) -> String {
+fn series(case: &Case) -> String {
     if is_approximate(case) {
         return layout_name(case);
     }

@@ -4,7 +4,7 @@
 //! Knobs are the boundary tolerance of sweeps, the levels of detail of full plans, and the setting of approximate
 //! fills, such as the mask's texels. A fill that is wrong and no point of a sweep is neither curve nor line.
 
-use super::data::{Data, ViewCases, grouped, knob_m, layout_name, series, setting};
+use super::data::{Data, ViewCases, grouped, knob_m, layout_name, setting};
 use crate::keys::{BOUNDARY_LOD_PX, BOUNDARY_MOVED_PX, MISMATCHED_PX};
 use crate::purpose::{Purpose, is_approximate, is_point};
 use crate::request::STUDY;
@@ -15,11 +15,11 @@ use terrafill_plot::{
 };
 use terrafill_results::{Block, Case, ChapterError, Outcome};
 
-const CAPTION: &str = "One curve a method through its knob, whose values label the points: boundary tolerance in metres, \
-    levels of detail that move boundaries by so many pixels at most, texels of a mask. Vertical lines: right fills \
-    that move no boundary and have no other value of a knob in this view. Left and low is better. Open marks are \
-    approximate fills, crosses are wrong pictures of sweeps, whose error is the question. Ringed and joined by dashes: the \
-    Pareto front of right fills, where at least 95 % of bootstrap resamples of the processes keep it.";
+const CAPTION: &str = "One curve a method through its knob, whose values label the points. Knobs: boundary tolerance, by how \
+    many pixels levels of detail move boundaries at most, texels of a mask. Vertical lines: right fills that move no \
+    boundary and have no other value of a knob in this view. Left and low is better. Open marks are approximate \
+    fills, crosses are wrong pictures of sweeps, whose error is the question. Ringed and joined by dashes: the Pareto \
+    front of right fills, where at least 95 % of bootstrap resamples of the processes keep it.";
 
 /// For the first page: the view whose fills have the most errors to choose from. Without a choice, what to type for one.
 pub(super) fn of_run(data: &Data<'_>) -> Result<Block, ChapterError> {
@@ -128,7 +128,7 @@ fn point(data: &Data<'_>, view: &ViewCases<'_>, case: &Case) -> Option<(String, 
         _ => return None,
     };
     let time = data.timings.samples(case)?;
-    let (name, knob, label) = knob(view, case);
+    let (name, knob, label) = knob(data, view, case);
     let point = Point {
         // What is no number comes first, in the plan's order.
         knob: knob.unwrap_or(f64::NEG_INFINITY),
@@ -143,7 +143,7 @@ fn point(data: &Data<'_>, view: &ViewCases<'_>, case: &Case) -> Option<(String, 
 }
 
 /// Name of a case's curve, its knob's value, and how that is written.
-fn knob(view: &ViewCases<'_>, case: &Case) -> (String, Option<f64>, String) {
+fn knob(data: &Data<'_>, view: &ViewCases<'_>, case: &Case) -> (String, Option<f64>, String) {
     if is_approximate(case) {
         let value = setting(case, view).unwrap_or_default();
         return (layout_name(case), value.parse().ok(), value.to_owned());
@@ -159,5 +159,10 @@ fn knob(view: &ViewCases<'_>, case: &Case) -> (String, Option<f64>, String) {
     }
     let tolerance = knob_m(case);
     let label = tolerance.map_or_else(String::new, length);
-    (series(case), tolerance, label)
+    // The sweep of a full plan is another curve than the plan's levels.
+    let mut name = data.curve(case);
+    if data.plan_of(case).is_some() {
+        name += ", simplified";
+    }
+    (name, tolerance, label)
 }

@@ -36,7 +36,7 @@ use ablations::FULL_PLAN;
 use data::{Data, is_baseline};
 use terrafill_lab::{answers_with_commands, with_commands};
 use terrafill_results::{
-    Answers, Block, Budget, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run,
+    Answers, Block, Budget, Case, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run, Term,
 };
 
 /// What filling regions costs and how right it is.
@@ -54,6 +54,10 @@ impl Chapter for FillingChapter {
 
     fn question(&self) -> &'static str {
         "Which technique fills regions on a surface with which error, time and memory?"
+    }
+
+    fn terms(&self) -> &'static [Term] {
+        crate::keys::TERMS
     }
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {

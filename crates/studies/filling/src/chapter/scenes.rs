@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
-use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, ViewCases, label, marked, name, reason_or, setting, standing,
-};
+use super::data::{DEPTH_PASS, Data, STENCIL_PASS, ViewCases, reason_or, setting, standing};
 use super::error_time;
 use super::table::{STATUS, or_dash};
 use crate::keys::*;
@@ -78,7 +76,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
              at the right edge has no time that counts."
         );
         blocks.extend(Block::plot(caption, ratio_plot(data, scene, &views)?));
-        let pictures: Vec<_> = views.iter().map(|view| pictures(view)).collect();
+        let pictures: Vec<_> = views.iter().map(|view| pictures(data, view)).collect();
         if pictures.iter().any(Option::is_some) {
             blocks.push(Block::Remark(DIFFERENCE_KEY.to_owned()));
         }
@@ -137,8 +135,8 @@ fn ratio_plot(
 
 fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow {
     RatioRow {
-        label: label(case),
-        series: marked(case),
+        label: data.label(case),
+        series: data.marked(case),
         command: data.command(case),
         ..data
             .timings
@@ -149,14 +147,9 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
 fn cases(data: &Data<'_>, view: &ViewCases<'_>) -> Table {
     let fastest = data.timings.fastest(view.competing());
     let rows = view.listed().map(|case| {
-        let (label, name) = (label(case), name(case));
         let cell = Cell {
-            detail: match setting(case, view) {
-                Some(setting) => setting.to_owned(),
-                None if name == label => String::new(),
-                None => name,
-            },
-            ..data.name_cell(case, label)
+            detail: setting(case, view).unwrap_or_default().to_owned(),
+            ..data.name_cell(case, data.label(case))
         };
         let counts = case.counts() || is_approximate(case) || Purpose::Rival.is_of(case);
         let over = fastest.filter(|_| counts);
@@ -179,7 +172,7 @@ fn cases(data: &Data<'_>, view: &ViewCases<'_>) -> Table {
 
 /// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
 /// of the ablation and the matrix are among them: their own tables have no room for pictures.
-fn pictures(view: &ViewCases<'_>) -> Option<Pictures> {
+fn pictures(data: &Data<'_>, view: &ViewCases<'_>) -> Option<Pictures> {
     let listed = || view.cases.iter().chain(&view.rivals).copied();
     let wrong = view.all.iter().copied().filter(|case| {
         // Textured fills have their pictures in their own section.
@@ -210,7 +203,7 @@ fn pictures(view: &ViewCases<'_>) -> Option<Pictures> {
             pictures,
             notes: vec![format!(
                 "{}{status}: {differ} px differ, {outside} of them outside the band",
-                name(case)
+                data.label(case)
             )],
         })
     });

@@ -3,7 +3,7 @@
 //! is, what exactness costs on top, and what comes next.
 
 use super::answers::{Contest, Ranked, ranked};
-use super::data::{Data, label, layout_name, marked};
+use super::data::{Data, label, layout_name};
 use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::purpose::is_approximate;
 use terrafill_lab::{in_every_group, some_of};
@@ -106,7 +106,9 @@ fn row(data: &Data<'_>, label: String, cases: &[&Case], ratios: &[f64], value: S
     let logs = ratios.iter().map(|ratio| ratio.ln());
     RatioRow {
         label,
-        series: cases.first().map_or_else(String::new, |case| marked(case)),
+        series: cases
+            .first()
+            .map_or_else(String::new, |case| data.marked(case)),
         ratio: Ok(Spread {
             p5: ratios.iter().copied().fold(f64::INFINITY, f64::min),
             median: (logs.sum::<f64>() / ratios.len() as f64).exp(),

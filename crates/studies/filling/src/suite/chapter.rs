@@ -11,7 +11,7 @@ use terrafill_lab::{finding, grouped};
 use terrafill_plot::number::significant;
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Metric, Outcome, Picture,
-    PictureFigure, Pictures, Row, Run, Table, typical,
+    PictureFigure, Pictures, Row, Run, Table, Term, typical,
 };
 
 /// What came of scenes that globes usually break at.
@@ -148,6 +148,10 @@ impl Chapter for ExtremeChapter {
 
     fn question(&self) -> &'static str {
         "Does every technique survive what globes usually break at: right, or refused as it should be?"
+    }
+
+    fn terms(&self) -> &'static [Term] {
+        super::keys::TERMS
     }
 
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {

@@ -5,9 +5,9 @@ use terrafill_results::{Kind, Metric, Scope, conditions, metrics};
 
 conditions! {
     shared SCENE, TECHNIQUE, VIEW;
-    EXPECTED = "expected";
+    EXPECTED = "expected", "how the case must end";
     ROLE = "role";
-    SCENE_REASON = "scene-reason";
+    SCENE_REASON = "scene-reason", "why the scene is extreme";
 }
 
 metrics! {

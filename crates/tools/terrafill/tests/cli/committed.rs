@@ -17,7 +17,7 @@ fn reports() -> PathBuf {
 }
 
 /// Folders of `reports/` that hold a run.
-fn committed() -> Vec<PathBuf> {
+pub(crate) fn committed() -> Vec<PathBuf> {
     let entries = fs::read_dir(reports()).expect("reports");
     let folders = entries.map(|entry| entry.expect("an entry").path());
     folders.filter(|path| path.is_dir()).collect()
@@ -31,7 +31,7 @@ fn bytes(report: &Path) -> u64 {
 }
 
 /// The run that a report is made from, as `run` on a desk.
-fn unpacked(report: &Path) -> Desk {
+pub(crate) fn unpacked(report: &Path) -> Desk {
     let desk = Desk::new();
     fs::create_dir(desk.path("run")).expect("writable");
     let unpacked = Command::new("tar")

@@ -23,3 +23,4 @@ mod render;
 mod sizes;
 mod surfaces;
 mod usage;
+mod words;
