@@ -372,11 +372,14 @@ pub(crate) struct RenderArguments {
     pub(crate) view: Option<String>,
     #[arg(long, help = FIT_HELP)]
     pub(crate) fit: bool,
+    #[arg(long, value_enum, default_value = "judged", hide_possible_values = true, help = STYLE_HELP)]
+    pub(crate) style: Style,
     /// A technique, or reference
     #[arg(
         long,
         alias = "backend",
         default_value = "vertex",
+        default_value_if("style", "map", "reference"),
         value_parser = picture_backends(),
         hide_possible_values = true
     )]
@@ -408,6 +411,31 @@ pub(crate) struct RenderArguments {
     #[arg(long)]
     pub(crate) adapter: Option<String>,
 }
+
+/// How a picture looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Style {
+    // A colour for each region, as the reference and the techniques are compared.
+    Judged,
+    // For people.
+    Map,
+}
+
+impl Style {
+    /// Extensions of its files: who compares pixels needs every bit.
+    pub(crate) fn formats(self) -> &'static [&'static str] {
+        match self {
+            Self::Judged => &["png"],
+            Self::Map => &["png", "jpg"],
+        }
+    }
+}
+
+const STYLE_HELP: &str = "\
+judged: flat colours, as pictures are compared; map: for
+people, drawn from the reference, without a technique:
+tints of height in a light from the north-west, sky,
+outlines, and where the eye is; writes .jpg, too";
 
 /// What can draw a picture. The values have no help of their own: with it clap prints a paragraph
 /// per option, and the page no longer fits a screen.

@@ -28,21 +28,28 @@ pub(crate) fn check_paths<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Resu
     Ok(())
 }
 
-/// Refuses names of pictures that promise another format than PNG. Standard output, pipes and devices
+/// Refuses names of pictures that promise another format than these. Standard output, pipes and devices
 /// have none.
-pub(crate) fn check_pictures<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+///
+/// - `formats`: their extensions
+pub(crate) fn check_pictures<'a>(
+    paths: impl IntoIterator<Item = &'a Path>,
+    formats: &[&str],
+) -> Result<(), Failure> {
     for path in paths {
         let extension = path.extension().unwrap_or_default();
-        let is_png = extension.eq_ignore_ascii_case("png");
-        if !(is_png || is_standard(path) || (path.exists() && !path.is_file())) {
+        let is_allowed = formats
+            .iter()
+            .any(|format| extension.eq_ignore_ascii_case(format));
+        if !(is_allowed || is_standard(path) || (path.exists() && !path.is_file())) {
             let found = if extension.is_empty() {
                 "no extension".to_owned()
             } else {
                 format!(".{}", extension.display())
             };
-            let path = path.display();
+            let (path, allowed) = (path.display(), formats.join(", ."));
             return Err(Failure::bad_input(format!(
-                "{path}: found {found}, allowed: .png"
+                "{path}: found {found}, allowed: .{allowed}"
             )));
         }
     }
@@ -142,22 +149,25 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_png() {
+    fn pictures_have_one_of_the_formats() {
+        let check_pictures = |paths| super::check_pictures(paths, &["png"]);
         for right in ["a.png", "b/A.PNG", "a.b.png", "/dev/null", "-"] {
-            assert!(check_pictures([Path::new(right)]).is_ok(), "{right}");
+            assert!(check_pictures(vec![Path::new(right)]).is_ok(), "{right}");
         }
         for (wrong, found) in [
             ("a.jpg", ".jpg"),
             ("png", "no extension"),
             ("a.png.tiff", ".tiff"),
         ] {
-            let paths = [Path::new("right.png"), Path::new(wrong)];
+            let paths = vec![Path::new("right.png"), Path::new(wrong)];
             let failure = check_pictures(paths).expect_err(wrong);
             assert_eq!(
                 failure.message,
                 format!("{wrong}: found {found}, allowed: .png")
             );
         }
+        let both = |path| super::check_pictures([Path::new(path)], &["png", "jpg"]);
+        assert!(both("a.jpg").is_ok() && both("a.tiff").is_err());
     }
 
     #[test]

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `render`: one picture.
 
-use crate::arguments::RenderArguments;
+use crate::arguments::{RenderArguments, Style};
 use crate::data::data_dirs;
 use crate::draft;
 use crate::fit;
 use crate::input::is_standard;
+use crate::map_style;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, technique};
@@ -57,19 +58,22 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
             .chain(others.into_iter().flatten())
             .map(PathBuf::as_path),
     )?;
-    check_pictures(
-        std::iter::once(out)
-            .chain(&arguments.ids)
-            .map(PathBuf::as_path),
-    )?;
+    check_pictures(arguments.ids.iter().map(PathBuf::as_path), &["png"])?;
+    check_pictures([out.as_path()], arguments.style.formats())?;
     let scene = scene(name, arguments)?;
     let view = find_view(&scene, arguments.view.as_deref())?;
     let wanted = wanted(&scene, arguments)?;
+    if arguments.style == Style::Map && (wanted.subject.is_some() || wanted.is_textured) {
+        let message = "--style: found map with a technique or a texture, allowed: map with the reference, plain";
+        return Err(Failure::bad_input(message));
+    }
     if arguments.check && wanted.subject.is_none() {
         let message = "--check: found --technique reference, allowed: one that is compared with it";
         return Err(Failure::bad_input(message));
     }
     let input = input(&scene, view, &wanted, arguments)?;
+    let map = (arguments.style == Style::Map).then(|| map_style::draw(&input));
+    let map = map.transpose().map_err(Failure::bad_input)?;
     let drawn = match &wanted.subject {
         None => draw_reference(&input, wanted.is_textured)?,
         Some((technique, variant)) => draw(&input, *technique, variant, arguments)?,
@@ -82,7 +86,10 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         )));
     }
     let colour = ExtendedColorType::Rgb8;
-    let mut files = vec![(out.as_path(), png(&drawn.rgb, input.size, colour)?)];
+    let rgb = map.as_ref().map_or(&drawn.rgb, |map| &map.rgb);
+    let format = ImageFormat::from_path(out).unwrap_or(ImageFormat::Png);
+    let picture = encoded(rgb, input.size, colour, format)?;
+    let mut files = vec![(out.as_path(), picture)];
     if let Some(path) = &arguments.ids {
         files.push((path, ids_png(&drawn.frame)?));
     }
@@ -97,6 +104,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         let seconds = started.elapsed().as_secs_f64();
         said.push(format!("wrote {}, {seconds:.1} s", out.display()));
     }
+    said.extend(map.map(|map| map.inset));
     let subject = wanted.subject.as_ref().filter(|_| arguments.check);
     let check = subject.map(|(technique, variant)| {
         let as_mask = !drawn.tells_regions_apart;
@@ -435,13 +443,18 @@ fn ids_png(frame: &Frame) -> Result<Vec<u8>, Failure> {
         })?;
         bytes.extend(short.to_ne_bytes());
     }
-    png(&bytes, frame.size, ExtendedColorType::L16)
+    encoded(&bytes, frame.size, ExtendedColorType::L16, ImageFormat::Png)
 }
 
-fn png(bytes: &[u8], size: ImageSize, colour: ExtendedColorType) -> Result<Vec<u8>, Failure> {
+fn encoded(
+    bytes: &[u8],
+    size: ImageSize,
+    colour: ExtendedColorType,
+    format: ImageFormat,
+) -> Result<Vec<u8>, Failure> {
     let mut encoded = Cursor::new(Vec::new());
     let (width, height) = (size.width, size.height);
-    image::write_buffer_with_format(&mut encoded, bytes, width, height, colour, ImageFormat::Png)
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, colour, format)
         .map_err(Failure::bad_input)?;
     Ok(encoded.into_inner())
 }

@@ -18,6 +18,7 @@ mod locate;
 mod manual;
 mod mesh;
 mod own;
+mod pictures;
 mod readme;
 mod render;
 mod sizes;
