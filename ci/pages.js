@@ -54,7 +54,7 @@ async function look(browser, url, width, scheme) {
   return problems.map((problem) => `${width} px, ${scheme}: ${problem}`);
 }
 
-// Filters, sorting, toggles, pointers and keys, where the page has them. Says what it tried.
+// Filters, sorting, pointers and keys, where the page has them. Says what it tried.
 async function use(browser, url, tried) {
   const problems = [];
   const page = await open(browser, url, 1400, "light", problems);
@@ -98,15 +98,6 @@ async function use(browser, url, tried) {
       await page.keyboard.press("Enter");
       expect(await page.$("th[aria-sort=descending]") !== null, "a heading sorts the other way");
     }
-  }
-  const choices = await page.$$(".choice input");
-  if (choices.length > 1) {
-    const seen = () => page.$$eval(".choice .way", (ways) => ways.map((way) => way.getClientRects().length > 0).indexOf(true));
-    const before = await seen();
-    await choices[0].focus();
-    await page.keyboard.press("ArrowRight");
-    expect(before === 0 && await seen() === 1, "a toggle shows another plot");
-    await choices[0].click();
   }
   for (const [selector, what] of [[".spot", "a mark says its values on focus"], ["td[data-command], th[data-command]", "a cell says its command on focus"]]) {
     const found = await page.$$(selector);

@@ -3,7 +3,7 @@
 #
 # Opens every page of a report in headless Chromium and checks what needs a browser. With all that is folded
 # opened, axe finds nothing serious, nothing scrolls sideways at 1400, 800 and 390 pixels, no picture is broken,
-# and the console stays empty. Links into what is folded, filters, sorting, toggles, keyboard and the wipe slider
+# and the console stays empty. Links into what is folded, filters, sorting, keyboard and the wipe slider
 # work. The first page loads in 1 s, prints on at most 12 pages, and has at most 300 kB unless it is a single file,
 # which holds all the others. Needs node, npm and Chromium; where one is absent it says so and checks
 # nothing. A page with every fault is checked first, and each of its faults must be found.

@@ -66,7 +66,7 @@ impl<'a> Priced<'a> {
 
     fn described(&self) -> String {
         let error = match self.of.error_px {
-            Ok(px) if px <= 0.0 => "exact".to_owned(),
+            Ok(px) if px <= 0.0 => "moves no boundary".to_owned(),
             Ok(px) if self.of.is_approximate => format!(
                 "approximate, off by up to {} px here, which it does not promise elsewhere",
                 significant(px)
@@ -164,7 +164,7 @@ fn limits(run: &Run, timings: Timings, budget: &Budget) -> String {
         None => " No identical work was measured twice, so ties are unknown.",
     };
     format!(
-        "Boundaries off by at most {} px (--tolerance-px; 0 is exact, 1 what counts as right), {bytes} (--max-mb), {time} \
+        "Boundaries off by at most {} px (--tolerance-px; 0: none is moved; 1: what counts as right), {bytes} of all that a fill holds (--max-mb), {time} \
          in the slowest view (--budget-ms). The defaults are 1, none and none; `report` takes others. Cheapest: least \
          {clock} over the scene's views; of ties the one with the fewest bytes.{weight}{ties}",
         budget.tolerance_px,
@@ -212,12 +212,13 @@ fn line(
         [] => String::new(),
         names => format!(" Ties: {}.", some_of(names)),
     };
-    Some(format!(
+    let line = format!(
         "{heading}: {}.{}{others} {}",
         cheapest.described(),
         unsure(cheapest, budget),
         exactness(timings, &all, cheapest, budget)
-    ))
+    );
+    Some(line.trim_end().to_owned())
 }
 
 /// The first of several names, and how many more there are.
@@ -252,10 +253,10 @@ fn exactness(
     budget: &Budget,
 ) -> String {
     if cheapest.is_exact() {
-        return "Exactness costs nothing on top.".to_owned();
+        return String::new();
     }
     let Some(exact) = all.iter().find(|own| own.is_exact()) else {
-        return "No exact fill was timed in every view.".to_owned();
+        return "No fill that moves no boundary was timed in every view.".to_owned();
     };
     let time = exact.over(cheapest);
     let time = time.map(|ratio| timings.ratio_text(&ratio));
@@ -265,7 +266,7 @@ fn exactness(
     let excesses = exact.excesses(budget).into_iter();
     let excesses: Vec<String> = excesses.map(|(words, _)| format!("; {words}")).collect();
     format!(
-        "Exact is {}: {} the time, {} × the bytes{}.",
+        "Without moved boundaries: {}, {} the time, {} × the bytes{}.",
         exact.of.name,
         time.unwrap_or_else(|| "an unknown multiple of".to_owned()),
         bytes.unwrap_or_else(|| "an unknown number".to_owned()),
@@ -329,7 +330,7 @@ mod tests {
             ..Budget::default()
         };
         assert!(said(rough).contains("s: coarse: 1.00 [1.00–1.00] ms"));
-        assert!(said(rough).contains("Exact is exact: 4.00 ×"));
+        assert!(said(rough).contains("Without moved boundaries: exact, 4.00 ×"));
         // Negative controls: an error, and a time, that are over their limits.
         assert!(said(Budget::default()).contains("s: exact: 4.00"));
         let quick = Budget {

@@ -16,6 +16,7 @@ mod palette;
 mod panels;
 mod processes;
 mod ratio;
+mod reading;
 mod scale;
 mod sparkline;
 mod steps;
@@ -27,12 +28,11 @@ pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use processes::{DOTS_FACTOR, TWO_GROUPS, dotted};
 pub use ratio::{DOTS_OF_PROCESSES, RatioAxis, RatioGroup, RatioPlot, RatioRow};
+pub use reading::Reading;
 pub use scale::length;
 pub use sparkline::Sparkline;
 pub use steps::{Step, Steps};
-pub use work_precision::{
-    Curve, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
-};
+pub use work_precision::{Curve, Point, PointStanding, ReferenceLine, Upwards, WorkPrecision};
 
 /// Width of every plot, pixels.
 pub(crate) const WIDTH_PX: f64 = 1080.0;

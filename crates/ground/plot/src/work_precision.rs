@@ -10,15 +10,15 @@
 //! no knob is a vertical line at its cost. The Pareto front joins only right points and exact methods that
 //! keep their place when processes are drawn again (see [`terrafill_results::front_survival`]).
 
-use crate::PlotError;
 use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, TEXT_PX, text_width};
 use crate::labels::{LEADER_FROM_PX, Rectangle, free_place, free_place_where};
 use crate::log_log::{Frame, LINE_OPACITY, apart, draw_across, draw_stairs, draw_up};
 use crate::palette::{INK, Palette, Stroke};
 use crate::scale::LogScale;
+use crate::{PlotError, Reading};
 use plotters::prelude::Color as _;
-use terrafill_results::threshold::{FRONT_SURVIVAL, MIN_REPLICATES};
-use terrafill_results::{Candidate, Spread, front_survival};
+use terrafill_results::threshold::FRONT_SURVIVAL;
+use terrafill_results::{Candidate, front_survival};
 
 /// Panel titles stand so far above their panels.
 const TITLE_PX: f64 = 36.0;
@@ -107,53 +107,6 @@ pub enum PointStanding {
     Approximate,
     /// There are none, or they count for nothing.
     Failed,
-}
-
-/// A value as read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
-    middle: f64,
-    /// 5 and 95 %.
-    range: Option<[f64; 2]>,
-    samples: Vec<f64>,
-}
-
-impl Reading {
-    /// A count or a formula: no range, and no other value if it is taken again.
-    #[must_use]
-    pub fn exact(value: f64) -> Self {
-        Self {
-            middle: value,
-            range: None,
-            samples: vec![value; MIN_REPLICATES],
-        }
-    }
-
-    /// - `replicates`: one number per process, for the front
-    #[must_use]
-    pub fn sampled(spread: Spread, replicates: &[f64]) -> Self {
-        Self {
-            middle: spread.median,
-            range: Some([spread.p5, spread.p95]),
-            samples: replicates.to_vec(),
-        }
-    }
-
-    /// Its middle.
-    #[must_use]
-    pub fn middle(&self) -> f64 {
-        self.middle
-    }
-
-    fn extent(&self) -> [f64; 2] {
-        self.range.unwrap_or([self.middle; 2])
-    }
-
-    /// What each process found, where several measured it.
-    fn processes(&self) -> impl Iterator<Item = f64> {
-        let several = self.range.is_some() && self.samples.len() > 1;
-        self.samples.iter().copied().filter(move |_| several)
-    }
 }
 
 /// Something known to hold the points against, dashed to the right end of the axis.

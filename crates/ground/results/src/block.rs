@@ -154,8 +154,6 @@ pub enum Block {
     Pictures(Pictures),
     /// What the measurements say of a claim.
     Finding(Finding),
-    /// The same thing in several ways, of which a reader sees one at a time.
-    Choice(Choice),
     /// Blocks that a reader may open and close.
     Folded {
         /// What is in it.
@@ -253,15 +251,6 @@ pub enum TableLayout {
     UprightHeadings,
     /// Few rows of cells that say several things each; on a narrow screen each row is a card.
     Cards,
-}
-
-/// The same thing in several ways: a plot by one clock or by another.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Choice {
-    /// What is chosen.
-    pub caption: String,
-    /// Name and blocks of each way; the first one is shown at first.
-    pub ways: Vec<(String, Vec<Block>)>,
 }
 
 /// A column.

@@ -38,7 +38,7 @@ mod statistic;
 pub mod threshold;
 
 pub use block::{
-    Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
+    Answers, Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading,
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout, Term,
 };
 pub use budget::Budget;

@@ -28,7 +28,7 @@ pub fn markdown(blocks: &[Block]) -> String {
                 is_open: true,
                 blocks,
             } => format!("{}:\n\n{}", escaped(summary), markdown(blocks)),
-            Block::Folded { .. } | Block::Choice(_) | Block::Plot(_) | Block::Pictures(_) => {
+            Block::Folded { .. } | Block::Plot(_) | Block::Pictures(_) => {
                 continue;
             }
         };

@@ -28,7 +28,7 @@ terrafill_results::conditions! {
     "fastest" = "of the fills that are right and timed, the one with the least time";
     "smallest" = "of the fills that are right, the one with the fewest bytes of geometry";
     "most exact" = "the fill with the least boundary distance, then the fewest mismatched pixels";
-    "boundary" = "of a name: levels of detail move no boundary by more pixels than it says";
+    "moved" = "of a name: levels of detail move no boundary by more pixels than it says; rounding to pixels comes on top";
     "plain" = "a fill in colours, not with a picture";
     "chosen" = "the route that the scene's bounds of error allow at the least cost";
     "route" = "formulas from a pixel's position to its place in the picture";

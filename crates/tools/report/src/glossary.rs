@@ -113,10 +113,6 @@ pub(crate) fn collect(blocks: &[Block], texts: &mut BTreeSet<String>) {
             Block::List(items) => texts.extend(items.iter().map(|item| plain(item))),
             Block::Table(table) => of_table(table, texts),
             Block::Plot(plot) => texts.extend(of_drawing(&plot.svg)),
-            Block::Choice(choice) => {
-                let ways = choice.ways.iter();
-                ways.for_each(|(_, blocks)| collect(blocks, texts));
-            }
             Block::Folded { blocks, .. } => collect(blocks, texts),
             Block::Finding(finding) => {
                 texts.insert(plain(finding.standing.name()));

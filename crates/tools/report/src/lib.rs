@@ -10,10 +10,12 @@
 
 mod clocks;
 mod error;
+mod front;
 mod glossary;
 mod markdown;
 mod pages;
 mod picture;
+mod table;
 mod verdict;
 mod view;
 mod write;

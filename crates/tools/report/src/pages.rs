@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The pages of a report: which there are, how they refer to each other, and what the first one says.
+//! The pages of a report: which there are, and how they refer to each other.
 
 use crate::ReportError;
+use crate::front::front;
 use crate::glossary::{Glossary, collect};
 use crate::verdict::{Sentences, Verdict, plural};
 use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
@@ -9,8 +10,7 @@ use askama::Template;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use terrafill_results::{
-    Answers, Block, Chapter, Finding, MetricRow, Run, RunEnvironment, RunInput, RunPlan, Skipped,
-    Standing,
+    Answers, Block, Chapter, MetricRow, Run, RunEnvironment, RunInput, RunPlan, Skipped,
 };
 
 const STYLE: &str = include_str!("../templates/report.css");
@@ -19,13 +19,6 @@ const TITLE: &str = "Measurement report";
 const GLOSSARY: &str = "Glossary";
 const WORDS: &str = "Words on this page";
 const CASES: &str = "Missing, wrong and skipped cases";
-
-/// Letters of a commit on the first screen; the whole name is under "Environment".
-const SHORT_COMMIT: usize = 12;
-
-/// What brackets mean on every page.
-const NOTATION: &str = "A median; [a–b]: its 95 % interval over processes; (a–b): 5 to 95 % of the \
-                        samples. Small dots: one for each process.";
 
 /// As many names as the first page shows: about a screen of them.
 const MAX_NAMES: usize = 24;
@@ -120,86 +113,6 @@ struct Page<'a> {
     /// Its own address as the links to it are written.
     here: &'a str,
     body: String,
-}
-
-#[derive(Template)]
-#[template(path = "front.html")]
-struct Front<'a> {
-    /// Class of the verdict's bar.
-    class: &'static str,
-    sentences: &'a [String],
-    facts: Vec<(&'static str, Vec<String>)>,
-    answers: Vec<AnswerView>,
-    requirements: Vec<Requirement<'a>>,
-    /// How many of them are met and are not; empty without any.
-    tally: String,
-    lists: String,
-    environment: &'a [(&'static str, String)],
-    inputs: &'a [RunInput],
-}
-
-struct AnswerView {
-    id: String,
-    title: &'static str,
-    question: &'static str,
-    html: String,
-}
-
-/// A line of the checklist.
-struct Requirement<'a> {
-    standing: Met,
-    claim: &'a str,
-    /// By which figures, or why it is open.
-    because: &'a str,
-    /// What decides it; empty for what is decided.
-    command: &'a str,
-}
-
-/// Whether a requirement is met, in the order of the checklist.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Met {
-    No,
-    Undecided,
-    Yes,
-}
-
-impl Met {
-    const ALL: [Self; 3] = [Self::Yes, Self::No, Self::Undecided];
-
-    fn of(standing: Standing) -> Self {
-        match standing {
-            Standing::Holds => Self::Yes,
-            Standing::DoesNotHold | Standing::NoDifference => Self::No,
-            Standing::CannotTell | Standing::NotMeasured | Standing::CannotBeTested => {
-                Self::Undecided
-            }
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Yes => "met",
-            Self::No => "not met",
-            Self::Undecided => "undecided",
-        }
-    }
-
-    fn mark(self) -> &'static str {
-        match self {
-            Self::Yes => "✓",
-            Self::No => "✗",
-            Self::Undecided => "?",
-        }
-    }
-
-    /// Class in the style sheet: that of a run's verdict.
-    fn class(self) -> &'static str {
-        match self {
-            Self::Yes => Verdict::Good.class(),
-            Self::No => Verdict::Bad.class(),
-            Self::Undecided => Verdict::Incomplete.class(),
-        }
-    }
 }
 
 #[derive(Template)]
@@ -534,142 +447,6 @@ fn shortened(report: &Report<'_>, cases: &str) -> String {
     )
 }
 
-/// The body of the first page.
-///
-/// - `absent`: pictures of other pages that are not in the run's folder
-fn front(
-    report: &Report<'_>,
-    renderer: &mut Renderer<'_>,
-    lists: String,
-    mut absent: BTreeSet<String>,
-) -> Result<String, askama::Error> {
-    let answers = report.parts.iter().map(|(chapter, _, answers)| {
-        Ok(AnswerView {
-            id: renderer.id(&format!("answer-{}", chapter.study())),
-            title: chapter.title(),
-            question: chapter.question(),
-            html: renderer.html(&answers.blocks)?,
-        })
-    });
-    let answers: Vec<AnswerView> = answers.collect::<Result<_, askama::Error>>()?;
-    let parts = report.parts.iter();
-    let requirements = checklist(parts.flat_map(|(_, _, answers)| &answers.requirements));
-    absent.append(&mut renderer.take_absent());
-    Front {
-        class: bar(report.verdict, &requirements),
-        sentences: &report.said.verdict,
-        facts: facts(report, absent.len()),
-        answers: answers
-            .into_iter()
-            .filter(|answer| !answer.html.trim().is_empty())
-            .collect(),
-        tally: tally(&requirements),
-        requirements,
-        lists,
-        environment: &report.environment,
-        inputs: report.inputs,
-    }
-    .render()
-}
-
-/// What a reader must know before any figure.
-fn facts(report: &Report<'_>, absent: usize) -> Vec<(&'static str, Vec<String>)> {
-    let e = &report.run.environment;
-    let known = |text: &str| match text {
-        "" => "not recorded".to_owned(),
-        text => text.to_owned(),
-    };
-    let kind = match e.device_type.as_str() {
-        "cpu" => "software: it runs on the CPU",
-        "" => "whether software or hardware was not recorded",
-        _ => "hardware",
-    };
-    let scope = report
-        .parts
-        .iter()
-        .flat_map(|(_, _, answers)| &answers.scope);
-    let mut facts = vec![
-        ("Device", vec![format!("{} ({kind})", known(&e.gpu))]),
-        ("Clock", vec![report.said.clock.clone()]),
-        (
-            "Commit",
-            vec![known(
-                &e.commit.chars().take(SHORT_COMMIT).collect::<String>(),
-            )],
-        ),
-        ("Correctness", scope.cloned().collect()),
-        ("Noise", report.said.noise.clone()),
-        (
-            "Replicates",
-            report.said.replicates.iter().cloned().collect(),
-        ),
-        ("Figures", vec![NOTATION.to_owned()]),
-        ("Pictures", left_out(report, absent).into_iter().collect()),
-    ];
-    facts.retain(|(_, values)| !values.is_empty());
-    facts
-}
-
-/// How many pictures of the run are not in its folder, and what draws them anew; nothing where none is missing.
-fn left_out(report: &Report<'_>, absent: usize) -> Option<String> {
-    let options = &report.run.environment.options;
-    let is_quick = options.iter().any(|option| option == "depth=quick");
-    let quick = if is_quick { " --quick" } else { "" };
-    let studies = report.parts.iter();
-    let studies = studies.map(|(chapter, ..)| format!(" --study {}", chapter.study()));
-    (absent > 0).then(|| {
-        format!(
-            "{} left out of this folder. To draw them anew: terrafill bench{}{quick}",
-            plural(absent, "picture"),
-            studies.collect::<String>()
-        )
-    })
-}
-
-/// Requirements as lines, what is not met first.
-fn checklist<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> Vec<Requirement<'a>> {
-    let mut checklist: Vec<Requirement<'_>> = findings.into_iter().map(requirement).collect();
-    checklist.sort_by_key(|requirement| requirement.standing);
-    checklist
-}
-
-fn requirement(finding: &Finding) -> Requirement<'_> {
-    /// How a command begins; it ends the sentences before it.
-    const BENCH: &str = "terrafill bench ";
-    let begin = finding.because.find(BENCH);
-    let (because, command) = finding
-        .because
-        .split_at(begin.unwrap_or(finding.because.len()));
-    Requirement {
-        standing: Met::of(finding.standing),
-        claim: &finding.claim,
-        because,
-        command,
-    }
-}
-
-/// `13 met, 1 not met`.
-fn tally(requirements: &[Requirement<'_>]) -> String {
-    let counts = Met::ALL.map(|standing| {
-        let own = requirements.iter().filter(|of| of.standing == standing);
-        (own.count(), standing.name())
-    });
-    let some = counts.iter().filter(|(count, _)| *count > 0);
-    let some: Vec<String> = some
-        .map(|(count, name)| format!("{count} {name}"))
-        .collect();
-    some.join(", ")
-}
-
-/// Class of the verdict's bar: that of a good run only where every requirement is met.
-fn bar(verdict: Verdict, requirements: &[Requirement<'_>]) -> &'static str {
-    let worst = requirements.iter().map(|of| of.standing).min();
-    match (verdict, worst) {
-        (Verdict::Good, Some(worst)) => worst.class(),
-        _ => verdict.class(),
-    }
-}
-
 /// The page with each command written out once: an element that repeats one has the first one's number among the
 /// elements with commands, which the page's script reads.
 fn once(page: &str) -> String {
@@ -696,43 +473,6 @@ fn once(page: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_not_met_comes_first_and_what_is_open_names_its_command() {
-        let finding = |standing, because: &str| Finding {
-            claim: "It grows".to_owned(),
-            standing,
-            because: because.to_owned(),
-        };
-        let command = "terrafill bench --study balls --processes 5";
-        let open = format!("No device. To measure it: {command}");
-        let findings = [
-            finding(Standing::Holds, "2 px"),
-            finding(Standing::NotMeasured, &open),
-            finding(Standing::NoDifference, "1.00 ×"),
-        ];
-        let lines: Vec<Requirement<'_>> = checklist(&findings);
-        let words: Vec<[&str; 3]> = lines
-            .iter()
-            .map(|line| [line.standing.name(), line.because, line.command])
-            .collect();
-        assert_eq!(
-            words,
-            [
-                ["not met", "1.00 ×", ""],
-                ["undecided", "No device. To measure it: ", command],
-                ["met", "2 px", ""],
-            ]
-        );
-        assert_eq!(tally(&lines), "1 met, 1 not met, 1 undecided");
-        // A bar is green only where all is met, and what is wrong is not mended by that.
-        let bar_of = |findings: &[Finding]| bar(Verdict::Good, &checklist(findings));
-        assert_eq!(bar_of(&findings), "bad");
-        assert_eq!(bar_of(&findings[..2]), "incomplete");
-        assert_eq!(bar_of(&findings[..1]), "good");
-        assert_eq!(bar_of(&[]), "good");
-        assert_eq!(bar(Verdict::Bad, &checklist(&findings[..1])), "bad");
-    }
 
     #[test]
     fn a_command_is_written_once_and_found_again_by_its_number() {

@@ -70,10 +70,12 @@ document.addEventListener("DOMContentLoaded", () => {
     meanings.set(key, (meanings.get(key) || []).concat(word + ": " + entry.querySelector("dd").textContent));
   }
   const longestFirst = [...meanings.keys()].sort((a, b) => b.length - a.length);
-  const word = new RegExp("(?<![\\p{L}\\p{N}-])(" + longestFirst.map((key) => key.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")).join("|") + ")(?=(?:e?s)?(?![\\p{L}\\p{N}-]))", "giu");
+  const keys = longestFirst.map((key) => key.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")).join("|");
+  const word = new RegExp("(?<![\\p{L}\\p{N}-])((?:" + keys + ")(?:e?s)?)(?![\\p{L}\\p{N}-])", "giu");
+  const meaning = (key) => meanings.get(key) || meanings.get(key.replace(/s$/, "")) || meanings.get(key.replace(/es$/, ""));
   const explained = (text) => {
     const found = meanings.size ? [...text.replace(/_/g, " ").matchAll(word)] : [];
-    return [...new Set(found.flatMap(([key]) => meanings.get(key.toLowerCase())))].join("\n");
+    return [...new Set(found.flatMap(([key]) => meaning(key.toLowerCase())))].join("\n");
   };
   // A cell's own text without its small print.
   const own = (cell) => [...cell.childNodes].filter((n) => !(n.classList && n.classList.contains("detail"))).map((n) => n.textContent).join("").trim();

@@ -7,8 +7,8 @@ use std::path::Path;
 use terrafill_report::{ReportError, TermGroup, Verdict, WrittenReport, write, write_single_file};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
-    Answers, Block, CaseId, Cell, CellClass, Chapter, ChapterError, Choice, Clock, DerivedTable,
-    Finding, Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Plot, Row, Run,
+    Answers, Block, CaseId, Cell, CellClass, Chapter, ChapterError, Clock, DerivedTable, Finding,
+    Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Plot, Row, Run,
     RunEnvironment, Skipped, Standing, Status, Table,
 };
 
@@ -115,12 +115,7 @@ impl Chapter for TimesChapter {
         let right = run.count(Outcome::Ok);
         Ok(Answers {
             scope: vec![format!("{right} of {} compared", run.cases.len())],
-            blocks: vec![Block::Choice(Choice {
-                caption: "By".to_owned(),
-                ways: ["one clock", "another clock"]
-                    .map(|name| (name.to_owned(), vec![Block::Text(format!("By {name}."))]))
-                    .into(),
-            })],
+            blocks: vec![Block::Text("By another clock.".to_owned())],
             requirements: vec![Finding {
                 claim: "All are right.".to_owned(),
                 standing: Standing::holds_if(right == run.cases.len()),
@@ -589,15 +584,14 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
     );
     let not_met = line(&found.index);
     assert!(not_met.starts_with("<li class=\"bad\">") && not_met.contains("All are right."));
-    assert!(found.index.contains("Requirements</a>: 1 not met.</p>"));
+    assert!(found.index.contains(
+        "Requirements</a>: 1 not met.<br><span class=\"detail\">not met: All are right.</span>"
+    ));
     assert!(
         found
             .markdown
             .contains("- All are right. **does not hold**")
     );
-    // A choice needs no script: its first way is chosen.
-    assert_eq!(found.index.matches("type=\"radio\"").count(), 2);
-    assert_eq!(found.index.matches(" checked>").count(), 1);
     assert!(found.index.contains("By another clock."));
     // What fills pages is not on the first one.
     assert!(!found.index.contains("A plot.") && found.html.contains("A plot."));
@@ -655,7 +649,7 @@ fn a_single_file_folds_chapters_and_sections_below_the_open_answers() {
     let folder = tempfile::tempdir().expect("a folder");
     mixed_run().write(folder.path()).expect("a run");
     let single = |chapters: &[&dyn Chapter]| {
-        write_single_file(folder.path(), chapters).expect("a report");
+        write_single_file(folder.path(), chapters, terms()).expect("a report");
         fs::read_to_string(folder.path().join("index.html")).expect("the file")
     };
     let html = single(&[&TimesChapter, &TimesChapter]);

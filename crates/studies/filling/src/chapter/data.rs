@@ -359,7 +359,7 @@ pub(super) fn label(case: &Case) -> String {
     if Purpose::FullPlan.is_of(case) {
         let levels = match case.condition(BOUNDARY_LOD_PX) {
             "" | "off" => String::new(),
-            px => format!(", boundary ≤ {px} px"),
+            px => format!(", moved ≤ {px} px"),
         };
         return format!("{}, full plan{levels}", layout_name(case));
     }

@@ -151,7 +151,7 @@ fn knob(data: &Data<'_>, view: &ViewCases<'_>, case: &Case) -> (String, Option<f
     if Purpose::FullPlan.is_of(case) {
         let px = case.condition(BOUNDARY_LOD_PX);
         let label = match px {
-            "" | "off" => "exact".to_owned(),
+            "" | "off" => "0 px".to_owned(),
             px => format!("≤ {px} px"),
         };
         let name = format!("{}, full plan", layout_name(case));

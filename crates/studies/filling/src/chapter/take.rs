@@ -4,7 +4,7 @@
 
 use super::answers::{Contest, Ranked, ranked};
 use super::data::{Data, label, layout_name};
-use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX_OUTSIDE_BAND};
+use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::purpose::is_approximate;
 use terrafill_lab::{in_every_group, some_of};
 use terrafill_plot::number::{digits, measured_bytes, significant};
@@ -74,8 +74,8 @@ fn picture(
         }],
     };
     let caption = "How much longer each fill takes than the fastest: its mark is the geometric mean over the views, its \
-        line from the least to the most. Left is better. Only fills that were right and timed in every view are shown, and approximate ones with their \
-        wrong pixels over all views.";
+        line from the least to the most view, no error bar. Left is better. Grey about 1: as far as identical work differed. Only fills that were \
+        right and timed in every view are shown, and approximate ones with their wrong pixels over all views.";
     Ok(Block::plot(caption, plot.draw(data.palette())?))
 }
 
@@ -122,7 +122,7 @@ fn row(data: &Data<'_>, label: String, cases: &[&Case], ratios: &[f64], value: S
     }
 }
 
-/// In how many views it is the fastest or ties with it, and how far off it is elsewhere.
+/// How far off the fastest it is over all views, and in how many it is the fastest or ties with it.
 fn taken(data: &Data<'_>, best: &Ranked<'_>) -> String {
     let is_first = |ratio: &&f64| **ratio <= 1.0 || data.timings.is_tie(**ratio);
     let (first, all) = (
@@ -133,30 +133,38 @@ fn taken(data: &Data<'_>, best: &Ranked<'_>) -> String {
         (1, 1) => "the fastest of its view, or tied".to_owned(),
         _ if first == all => format!("fastest or tied in all {all} views"),
         _ => format!(
-            "fastest or tied in {first} of {all} views, at most {} × the fastest elsewhere",
+            "over {all} views {} × the time of each view's fastest, the least of all, and {} × at most; fastest or \
+             tied in {first}",
+            significant(best.mean),
             significant(best.most)
         ),
     };
     format!("Take {}: {views}.", best.name)
 }
 
-/// Bytes of geometry where they are most, and that its pictures are right.
+/// Bytes of geometry where they are most, and how its pictures differ from the reference's.
 fn held(best: &Ranked<'_>) -> String {
     let bytes = best.most_of(GEOMETRY_BYTES).map(measured_bytes);
     let bytes = bytes.map_or_else(
         || "Its bytes were not counted".to_owned(),
         |bytes| format!("At most {bytes} of geometry in a view"),
     );
-    let moved = best.moved_px().map_or_else(
-        || "boundaries as they are".to_owned(),
+    let differ = best.most_of(MISMATCHED_PX).map_or_else(
+        || "No pixel is wrong".to_owned(),
         |px| {
             format!(
-                "boundaries moved by up to {} px on purpose",
-                significant(px)
+                "At most {} pixels of a picture differ from the reference's, all of them at boundaries",
+                digits(px)
             )
         },
     );
-    format!("{bytes}, no wrong pixel, {moved}.")
+    let moved = best.moved_px().map_or_else(String::new, |px| {
+        format!(
+            ", which are moved by up to {} px on purpose",
+            significant(px)
+        )
+    });
+    format!("{bytes}. {differ}{moved}.")
 }
 
 /// Half the width of the times' 95 % intervals, as a share of the times: the median over views.
@@ -177,9 +185,23 @@ fn sureness(data: &Data<'_>, best: &Ranked<'_>) -> String {
             "Times are sure to ± {} % ({processes} processes).",
             significant(percent)
         ),
-        None => format!(
-            "How sure the times are is not known: {processes} of at least {MIN_REPLICATES} processes."
-        ),
+        None => {
+            let noise = data.timings.noise.map(|noise| noise.max_factor() - 1.0);
+            let noise = noise.map_or_else(String::new, |noise| {
+                format!(
+                    ", and identical work differed by up to {} %",
+                    significant(100.0 * noise)
+                )
+            });
+            format!(
+                "How sure the times are is not known: {processes} {} ran, an interval takes {MIN_REPLICATES}{noise}.",
+                if processes == 1 {
+                    "process"
+                } else {
+                    "processes"
+                },
+            )
+        }
     }
 }
 
@@ -187,7 +209,7 @@ fn sureness(data: &Data<'_>, best: &Ranked<'_>) -> String {
 fn exactness(best: &Ranked<'_>, others: &[Ranked<'_>]) -> Option<String> {
     best.moved_px()?;
     let Some(exact) = others.iter().find(|other| other.moved_px().is_none()) else {
-        return Some("No fill with exact boundaries was timed in all views.".to_owned());
+        return Some("No fill that moves no boundary was timed in all views.".to_owned());
     };
     let bytes = exact
         .most_of(GEOMETRY_BYTES)
@@ -197,7 +219,7 @@ fn exactness(best: &Ranked<'_>, others: &[Ranked<'_>]) -> Option<String> {
         format!(" and {} × the bytes", significant(exact / own))
     });
     Some(format!(
-        "Exact boundaries cost {} × the time{bytes} ({}).",
+        "Without moving them: {} × the time{bytes} ({}).",
         significant(exact.mean / best.mean),
         exact.name
     ))

@@ -110,7 +110,7 @@ fn the_cheapest_within_the_tolerance_is_named_with_what_exactness_costs() {
         &usual,
         &[
             "moves boundaries by up to 0.500 px",
-            "Exact is vertex/exact: 2.00 ×",
+            "Without moved boundaries: vertex/exact, 2.00 ×",
             "2.00 × the bytes.",
         ],
     );
@@ -127,7 +127,7 @@ fn the_cheapest_within_the_tolerance_is_named_with_what_exactness_costs() {
     );
     let exact = answer(&made(), budget(0.0));
     starts(&exact, "s, 2 views: vertex/exact");
-    has(&exact, &["Exactness costs nothing on top."]);
+    has(&exact, &["moves no boundary"]);
     // Negative control: by a hair too much.
     starts(&answer(&made(), budget(2.999)), "s, 2 views: vertex/levels");
 }
