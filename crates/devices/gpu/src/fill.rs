@@ -514,7 +514,7 @@ impl VolumeFill {
                 volumes.draw(pass, draw, blends && is_coloured(draw));
             }
             FillStep::Cover(cover) if loaded.covers.is_some() => {
-                let merged = loaded.work.list.merged_covers(cover, covered);
+                let merged = cover.merged(&loaded.work.list, covered);
                 self.covers.draw_merged(pass, cover.test, blends, merged);
             }
             FillStep::Cover(cover) => self.covers.draw_covers(pass, *cover, blends),

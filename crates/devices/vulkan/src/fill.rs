@@ -431,7 +431,7 @@ impl<'a> Recording<'a> {
                     textured.draw_covers(pass, *cover, purpose);
                 }
                 (None, Some(list)) => {
-                    let merged = self.loaded.work.list.merged_covers(cover, covered);
+                    let merged = cover.merged(&self.loaded.work.list, covered);
                     fill.covers.draw_merged(pass, cover.test, list, merged);
                 }
                 (None, None) => fill.covers.draw_covers(pass, *cover),

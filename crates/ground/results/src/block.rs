@@ -2,11 +2,8 @@
 //! What a chapter of a report is made of. A study says what; `report` says how it looks.
 
 use crate::folder::{encode, malformed};
-use crate::{Case, Clock, Run, RunError};
+use crate::{Case, Clock, Run, RunError, Term};
 use std::path::Path;
-
-/// A word of reports with its meaning in a line, written where the thing is declared that it names.
-pub type Term = (&'static str, &'static str);
 
 /// One study's part of a report, made from a run's tables alone.
 pub trait Chapter: Sync {

@@ -35,11 +35,12 @@ mod resample;
 mod scope;
 mod side_table;
 mod statistic;
+mod term;
 pub mod threshold;
 
 pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading,
-    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout, Term,
+    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
 pub use budget::Budget;
 pub use case::{
@@ -71,3 +72,4 @@ pub use ratio::{
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use scope::Scope;
 pub use statistic::{Spread, median, quantile, spread};
+pub use term::Term;

@@ -3,16 +3,18 @@
 
 mod devices;
 mod drawn;
+mod number;
 
 use crate::drop::MOSTLY;
 use crate::integrator::Integrator;
 use crate::metrics::*;
+use number::number;
 use terrafill_lab::{
     Cases, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select, finding, log_slope,
 };
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
-use terrafill_results::{Answers, Block, Case, Cell, ConditionKey, Finding, Heading, Row, Table};
+use terrafill_results::{Answers, Block, Case, Cell, Finding, Heading, Row, Table};
 
 /// Largest `ω·dt` at which a contact counts as resolved: 31 steps long.
 const RESOLVED: f64 = 0.1;
@@ -106,10 +108,6 @@ fn is_drop(case: &Case, stiffness: &str) -> bool {
     conditions
         .iter()
         .all(|(key, value)| case.condition(*key) == *value)
-}
-
-fn number(case: &Case, key: ConditionKey) -> f64 {
-    case.condition(key).parse().unwrap_or(f64::NAN)
 }
 
 fn is_blown(case: &Case) -> bool {

@@ -6,7 +6,7 @@
 //! time where both programs are of one commit. Once the base moves on it covers nothing, or a blessed +8 % would
 //! let the next +8 % pass. One that covers nothing is reported.
 
-use crate::files::replace;
+use crate::replace::replace;
 use crate::{Finding, Gate, GateError, table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;

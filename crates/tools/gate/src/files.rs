@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The files that a gate leaves.
 
+use crate::replace::replace;
 use crate::{GateError, GateReport, junit, markdown};
 use std::path::Path;
 
@@ -20,11 +21,4 @@ pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
         replace(&out.join(name), &text)?;
     }
     Ok(())
-}
-
-/// Renamed into place, so that a full disk leaves the file as it was.
-pub(crate) fn replace(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), GateError> {
-    let part = path.with_added_extension("new");
-    std::fs::write(&part, contents).map_err(GateError::io(path))?;
-    std::fs::rename(&part, path).map_err(GateError::io(path))
 }

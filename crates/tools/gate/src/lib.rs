@@ -36,6 +36,7 @@ mod part;
 mod pictures;
 mod program;
 mod prune;
+mod replace;
 mod report;
 mod self_test;
 mod setup;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The first page: verdict, answers, requirements, and what a reader must know before any figure.
 
-use crate::pages::Report;
+use crate::contents::Report;
 use crate::verdict::{Verdict, plural};
 use crate::view::Renderer;
 use askama::Template;

@@ -9,6 +9,7 @@
 //! missing; what was not measured is a dash with its reason, never a 0.
 
 mod clocks;
+mod contents;
 mod error;
 mod front;
 mod glossary;

@@ -2,16 +2,15 @@
 //! The pages of a report: which there are, and how they refer to each other.
 
 use crate::ReportError;
+use crate::contents::{Part, Report};
 use crate::front::front;
 use crate::glossary::{Glossary, collect};
-use crate::verdict::{Sentences, Verdict, plural};
+use crate::verdict::plural;
 use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
 use askama::Template;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use terrafill_results::{
-    Answers, Block, Chapter, MetricRow, Run, RunEnvironment, RunInput, RunPlan, Skipped,
-};
+use terrafill_results::{Block, Chapter, MetricRow, Run, RunEnvironment, RunPlan, Skipped};
 
 const STYLE: &str = include_str!("../templates/report.css");
 const SCRIPT: &str = include_str!("../templates/report.js");
@@ -22,25 +21,6 @@ const CASES: &str = "Missing, wrong and skipped cases";
 
 /// As many names as the first page shows: about a screen of them.
 const MAX_NAMES: usize = 24;
-
-/// A chapter with what it says.
-type Part<'a> = (&'a dyn Chapter, Vec<Block>, Answers);
-
-/// What a report is made of.
-pub(crate) struct Report<'a> {
-    pub(crate) run: &'a Run,
-    pub(crate) form: Form,
-    pub(crate) verdict: Verdict,
-    pub(crate) said: Sentences,
-    pub(crate) environment: Vec<(&'static str, String)>,
-    pub(crate) inputs: &'a [RunInput],
-    pub(crate) missing: &'a [String],
-    pub(crate) wrong: Vec<String>,
-    pub(crate) skipped_cases: Vec<(&'a str, Vec<String>)>,
-    pub(crate) contradictions: Vec<String>,
-    pub(crate) parts: &'a [Part<'a>],
-    pub(crate) glossary: Glossary,
-}
 
 impl Report<'_> {
     /// What the words of its chapters and its first page mean, and every metric of the run.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a run folder's tables to the files of its report.
 
+use crate::contents::Report;
 use crate::glossary::{Glossary, TermGroup};
-use crate::pages::{Report, alone, pages};
+use crate::pages::{alone, pages};
 use crate::verdict::{
     Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences, that_are,
 };

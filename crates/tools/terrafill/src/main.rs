@@ -37,6 +37,7 @@ mod suite;
 mod techniques;
 mod usage;
 mod version;
+mod wrap;
 
 use arguments::{Arguments, Verb};
 use clap::{CommandFactory as _, FromArgMatches as _};

@@ -2,7 +2,7 @@
 //! How a command ended, and what it prints.
 
 use crate::colour::error_mark;
-use crate::techniques::wrapped;
+use crate::wrap::wrapped;
 use std::io::{self, Write as _};
 
 /// How a command ended; the numbers are the exit codes of `terrafill --help`.

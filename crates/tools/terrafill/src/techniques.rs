@@ -4,6 +4,7 @@
 use crate::arguments::TechniquesArguments;
 use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::{RIVALS, TECHNIQUES};
+use crate::wrap::wrapped;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_contract::Technique;
@@ -146,26 +147,6 @@ impl Switch {
             .for_each(|line| line.insert_str(0, &format!("\n{:27}", "")));
         format!("    {:<22} {}\n", self.key, lines.concat())
     }
-}
-
-/// Broken behind spaces and bars.
-pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_inclusive([' ', '|']) {
-        match lines.last_mut() {
-            Some(last)
-                if last.is_empty()
-                    || last.chars().count() + word.trim_end().chars().count() <= width =>
-            {
-                last.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-        .iter()
-        .map(|line| line.trim_end().to_owned())
-        .collect()
 }
 
 fn listed() -> Vec<ListedTechnique> {

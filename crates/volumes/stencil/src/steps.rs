@@ -6,7 +6,9 @@
 
 use crate::{
     CoverShape, DepthRule, FaceSet, FillCommand, FillPass, FillProgram, StencilRule, StencilTest,
+    VolumeList,
 };
+use std::ops::Range;
 use terrafill_variant::FirstPass;
 
 /// Bytes of a pixel of the accumulation target, one 32-bit float.
@@ -83,6 +85,20 @@ pub struct CoverDraw<'a> {
     pub scissor: bool,
     /// Indices into the list.
     pub volumes: &'a [usize],
+}
+
+impl CoverDraw<'_> {
+    /// Which rectangles of merged covers these are. They lie in the order of the steps.
+    ///
+    /// - `drawn`: how many are drawn so far
+    pub fn merged(&self, list: &VolumeList, drawn: &mut u32) -> Range<u32> {
+        let counts = self.volumes.iter();
+        let counts = counts.map(|&volume| list.cover_rects(volume, self.scissor).count());
+        let count = u32::try_from(counts.sum::<usize>()).unwrap_or(u32::MAX);
+        let first = *drawn;
+        *drawn = first.saturating_add(count);
+        first..*drawn
+    }
 }
 
 /// One step of a pass.

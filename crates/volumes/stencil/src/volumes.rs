@@ -5,10 +5,8 @@
 //! its list from a [`FillInput`], one volume for each planned region; shadows of objects make theirs
 //! from whatever casts them.
 
-use crate::CoverDraw;
 use crate::cover_tiles::cover_tiles;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use terrafill_contract::{FillInput, ViewId};
 use terrafill_plan::{DrawnAs, NearRectangle, PixelRect, PlannedRegion};
 use terrafill_scene::ImageSize;
@@ -104,18 +102,6 @@ impl VolumeList {
         let tiles = self.cover_tiles.get(&volume).filter(|_| scissor);
         let whole = tiles.is_none().then(|| self.rect(volume, scissor));
         tiles.into_iter().flatten().copied().chain(whole)
-    }
-
-    /// Which rectangles merged covers are. They lie in the order of the steps.
-    ///
-    /// - `drawn`: how many are drawn so far
-    pub fn merged_covers(&self, cover: &CoverDraw<'_>, drawn: &mut u32) -> Range<u32> {
-        let counts = cover.volumes.iter();
-        let counts = counts.map(|&volume| self.cover_rects(volume, cover.scissor).count());
-        let count = u32::try_from(counts.sum::<usize>()).unwrap_or(u32::MAX);
-        let first = *drawn;
-        *drawn = first.saturating_add(count);
-        first..*drawn
     }
 
     /// Where a volume may be drawn: its screen rectangle with `scissor`, else all of the list's area.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls that step on devices.
 
-use super::number;
+use super::number::number;
 use crate::metrics::*;
 use crate::stepping::Stepping;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};

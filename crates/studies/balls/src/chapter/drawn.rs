@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls over terrain that are drawn.
 
-use super::number;
+use super::number::number;
 use crate::drawing::DrawCalls;
 use crate::metrics::*;
 use crate::stepping::Stepping;

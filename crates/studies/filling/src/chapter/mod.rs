@@ -11,6 +11,7 @@ mod approximate;
 mod budget;
 mod claims;
 mod comparisons;
+mod contest;
 mod data;
 mod error_time;
 mod from_2007;

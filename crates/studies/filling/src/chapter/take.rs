@@ -2,7 +2,7 @@
 //! The answer in a few sentences and one picture: what to take, how often it is the best, what it holds, how sure that
 //! is, what exactness costs on top, and what comes next.
 
-use super::answers::{Contest, Ranked, ranked};
+use super::contest::{Contest, Ranked, ranked};
 use super::data::{Data, label, layout_name};
 use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::purpose::is_approximate;
