@@ -47,8 +47,8 @@ fn drawn(scene: &str, view: &str, more: &[&str]) -> [RgbImage; 2] {
 const MIN_SHARE: f64 = 0.03;
 /// Colours of ground that has relief; without light there are as many as regions.
 const MIN_COLOURS: usize = 100;
-/// Least difference of the mean colours of sky and ground, of 255 in each channel.
-const MIN_CONTRAST: f64 = 30.0;
+/// Least step across the horizon, of 255 in a channel: the median over the columns.
+const MIN_STEP: u8 = 20;
 
 /// What a picture does not show that one for people shows.
 ///
@@ -71,18 +71,24 @@ fn faults(picture: &RgbImage, judged: &RgbImage) -> Vec<&'static str> {
     let regions = of(|judged| ![[5, 5, 10], [92, 117, 148]].contains(&judged));
     let share = |of: &[[u8; 3]]| of.len() as f64 / pixels().count() as f64;
     let colours = |of: &[[u8; 3]]| of.iter().collect::<BTreeSet<_>>().len();
-    let mean = |of: &[[u8; 3]], channel: usize| {
-        let sum: f64 = of.iter().map(|pixel| f64::from(pixel[channel])).sum();
-        sum / of.len() as f64
-    };
-    let contrast = (0..3).map(|channel| (mean(&sky, channel) - mean(&ground, channel)).abs());
+    let is_sky = |x: u32, y: u32| judged.get_pixel(x, y).0 == [5, 5, 10];
+    let last = picture.height().saturating_sub(2);
+    let places = (0..picture.width()).flat_map(|x| (0..last).map(move |y| (x, y)));
+    let edge = places.filter(|&(x, y)| !is_inset(x, y) && is_sky(x, y) && !is_sky(x, y + 1));
+    let steps = edge.filter_map(|(x, y)| {
+        let [above, below] = [y, y + 2].map(|y| picture.get_pixel(x, y).0);
+        above.iter().zip(below).map(|(a, b)| a.abs_diff(b)).max()
+    });
+    let mut steps: Vec<u8> = steps.collect();
+    steps.sort_unstable();
+    let step = steps.get(steps.len() / 2).copied().unwrap_or(0);
     let is_missing = [
         ("sky", share(&sky) < MIN_SHARE),
         ("ground", share(&ground) < MIN_SHARE),
         ("regions", share(&regions) < MIN_SHARE),
         ("relief", colours(&ground) < MIN_COLOURS),
         ("light in the sky", colours(&sky) < 10),
-        ("a horizon", contrast.fold(0.0, f64::max) < MIN_CONTRAST),
+        ("a horizon", step < MIN_STEP),
     ];
     let missing = is_missing.into_iter().filter(|(_, missing)| *missing);
     missing.map(|(what, _)| what).collect()
@@ -93,6 +99,9 @@ fn a_map_shows_sky_relief_and_regions_and_a_judged_picture_shows_no_relief() {
     let [map, judged] = drawn("hills", "globe", &[]);
     assert_eq!(faults(&map, &judged), [""; 0]);
     assert_eq!(faults(&judged, &judged), ["relief", "light in the sky"]);
+    let mut grey = map.clone();
+    grey.pixels_mut().for_each(|pixel| pixel.0 = [128; 3]);
+    assert!(faults(&grey, &judged).contains(&"a horizon"));
     // A view of nothing but ground.
     let [map, judged] = drawn("hills", "top-down", &[]);
     assert!(faults(&map, &judged).contains(&"sky"));
