@@ -212,13 +212,12 @@ fn line(
         [] => String::new(),
         names => format!(" Ties: {}.", some_of(names)),
     };
-    let line = format!(
-        "{heading}: {}.{}{others} {}",
+    Some(format!(
+        "{heading}: {}.{}{others}{}",
         cheapest.described(),
         unsure(cheapest, budget),
         exactness(timings, &all, cheapest, budget)
-    );
-    Some(line.trim_end().to_owned())
+    ))
 }
 
 /// The first of several names, and how many more there are.
@@ -245,7 +244,7 @@ fn unsure(choice: &Priced<'_>, budget: &Budget) -> &'static str {
     }
 }
 
-/// What the fastest exact choice takes over the cheapest one.
+/// What the fastest exact choice takes over the cheapest one; nothing where that one is exact.
 fn exactness(
     timings: Timings,
     all: &[Priced<'_>],
@@ -256,7 +255,7 @@ fn exactness(
         return String::new();
     }
     let Some(exact) = all.iter().find(|own| own.is_exact()) else {
-        return "No fill that moves no boundary was timed in every view.".to_owned();
+        return " No fill that moves no boundary was timed in every view.".to_owned();
     };
     let time = exact.over(cheapest);
     let time = time.map(|ratio| timings.ratio_text(&ratio));
@@ -266,7 +265,7 @@ fn exactness(
     let excesses = exact.excesses(budget).into_iter();
     let excesses: Vec<String> = excesses.map(|(words, _)| format!("; {words}")).collect();
     format!(
-        "Without moved boundaries: {}, {} the time, {} × the bytes{}.",
+        " Without moved boundaries: {}, {} the time, {} × the bytes{}.",
         exact.of.name,
         time.unwrap_or_else(|| "an unknown multiple of".to_owned()),
         bytes.unwrap_or_else(|| "an unknown number".to_owned()),

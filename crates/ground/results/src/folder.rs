@@ -52,7 +52,7 @@ pub enum RunError {
          and tables as `terrafill bench` writes them", folder.join(SCHEMA_FILE).display()
     )]
     NoRun {
-        /// What stands there, if anything does.
+        /// As it was named; it may not exist.
         folder: PathBuf,
     },
     /// A table of the folder is missing.

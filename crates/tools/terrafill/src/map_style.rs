@@ -46,14 +46,14 @@ const WHITE: DVec3 = DVec3::splat(255.0);
 
 /// How much of a region's colour covers the ground.
 const REGION_OPACITY: f64 = 0.38;
+/// The same over water, whose blue hides more.
+const REGION_OPACITY_OVER_WATER: f64 = 0.65;
 /// The same where rock and snow are seen from near, from [`HIGH_GROUND_M`] on.
 const REGION_OPACITY_ON_HIGH_GROUND: f64 = 0.14;
 /// Above sea level, metres: where opacity begins to fall, and where it has fallen.
 const HIGH_GROUND_M: [f64; 2] = [2_500.0, 5_000.0];
 /// Size of a pixel on the ground from which on colours alone tell regions apart, metres.
 const FAR_PIXEL_M: f64 = 1_000.0;
-/// The same over water, whose blue hides more.
-const REGION_OPACITY_OVER_WATER: f64 = 0.65;
 /// What an outline leaves of it.
 const OUTLINE_BRIGHTNESS: f64 = 0.45;
 /// Of distant ground by the air in between.

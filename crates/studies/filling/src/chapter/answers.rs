@@ -141,8 +141,8 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     Some(Row::named(name, cells))
 }
 
-/// The answer for a terminal: of each view the fastest fill of each technique, the best first, then the same of the
-/// variants that full plans are compared with; empty where none was timed.
+/// The answer for a terminal: of each view the fastest fill of each technique, the best first. Then the same of the
+/// variants that full plans are compared with. Empty where none was timed.
 #[must_use]
 pub fn answer_text(run: &Run) -> String {
     let data = Data::new(run);

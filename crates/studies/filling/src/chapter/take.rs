@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The answer in a few sentences and one picture: what to take, how often it is the best, what it holds, how sure that
-//! is, what exactness costs on top, and what comes next.
+//! The answer in a few sentences and one picture. They say what to take, how far off the best it is, what it holds and
+//! how sure that is. Then come what unmoved boundaries cost on top, and the next best.
 
 use super::contest::{Contest, Ranked, ranked};
 use super::data::{Data, label, layout_name};
@@ -73,9 +73,10 @@ fn picture(
             rows,
         }],
     };
-    let caption = "How much longer each fill takes than the fastest: its mark is the geometric mean over the views, its \
-        line from the least to the most view, no error bar. Left is better. Grey about 1: as far as identical work differed. Only fills that were \
-        right and timed in every view are shown, and approximate ones with their wrong pixels over all views.";
+    let caption = "How much longer each fill takes than the fastest. Its mark is the geometric mean over the views. Its \
+        line goes from the least to the most of them and is no error bar. Left is better. Grey about 1: as far as \
+        identical work differed. Only fills that were right and timed in every view are shown, and approximate ones \
+        with their wrong pixels over all views.";
     Ok(Block::plot(caption, plot.draw(data.palette())?))
 }
 
@@ -150,7 +151,7 @@ fn held(best: &Ranked<'_>) -> String {
         |bytes| format!("At most {bytes} of geometry in a view"),
     );
     let differ = best.most_of(MISMATCHED_PX).map_or_else(
-        || "No pixel is wrong".to_owned(),
+        || "How many pixels differ was not counted".to_owned(),
         |px| {
             format!(
                 "At most {} pixels of a picture differ from the reference's, all of them at boundaries",
@@ -219,7 +220,7 @@ fn exactness(best: &Ranked<'_>, others: &[Ranked<'_>]) -> Option<String> {
         format!(" and {} × the bytes", significant(exact / own))
     });
     Some(format!(
-        "Without moving them: {} × the time{bytes} ({}).",
+        "Without moved boundaries: {} × the time{bytes} ({}).",
         significant(exact.mean / best.mean),
         exact.name
     ))

@@ -1675,7 +1675,7 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
     for part in [
         "all of them at boundaries, which are moved by up to 0.250 px on purpose.",
         "not known: 3 processes ran, an interval takes 5, and identical work differed by up to ",
-        "Without moving them: ",
+        "Without moved boundaries: ",
         " × the time and 0.250 × the bytes (vertex/pulled).",
     ] {
         assert!(said.contains(part), "{said}");
