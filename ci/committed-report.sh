@@ -44,7 +44,7 @@ pack() {
     done
     if [ "$1" = all ]; then
         cp "$measured/notes.csv" "$scratch/run"
-        find "$measured" -path '*/images/*.png' -exec cp {} "$scratch/run/images" \;
+        find "$measured" \( -path '*/images/*.png' -o -path '*/images/*.jpg' \) -exec cp {} "$scratch/run/images" \;
     else
         # Shaded pictures of fills are the largest part of a run and show what the reference's do.
         grep -vE ',(image|difference_image),' "$measured/notes.csv" >"$scratch/run/notes.csv"
@@ -52,7 +52,7 @@ pack() {
         while read -r bytes path; do
             ((left -= bytes)) || true
             [ "$left" -lt 0 ] || cp "$path" "$scratch/run/images"
-        done < <(grep -oE 'images/[^"]*\.png' "$scratch/run/notes.csv" | sort -u |
+        done < <(grep -oE 'images/[^"]*\.(png|jpg)' "$scratch/run/notes.csv" | sort -u |
             while read -r path; do find "$measured" -path "*/$path" -printf '%s %p\n' -quit; done | sort -n)
     fi
     tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -C "$scratch/run" -c . |

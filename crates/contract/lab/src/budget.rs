@@ -77,7 +77,7 @@ impl<'a> Priced<'a> {
         let time = match self.of.cases.len() {
             1 => format!("{} ms", figure(&self.slowest)),
             _ => format!(
-                "{} ms over all views, {} ms in the slowest",
+                "{} ms for all views together, {} ms in the slowest",
                 significant(self.sum_ms),
                 figure(&self.slowest)
             ),
@@ -164,9 +164,9 @@ fn limits(run: &Run, timings: Timings, budget: &Budget) -> String {
         None => " No identical work was measured twice, so ties are unknown.",
     };
     format!(
-        "Boundaries off by at most {} px (--tolerance-px; 0: none is moved; 1: what counts as right), {bytes} of all that a fill holds (--max-mb), {time} \
-         in the slowest view (--budget-ms). The defaults are 1, none and none; `report` takes others. Cheapest: least \
-         {clock} over the scene's views; of ties the one with the fewest bytes.{weight}{ties}",
+        "Boundaries moved by at most {} px (--tolerance-px), {bytes} of all that a fill holds (--max-mb), {time} in the slowest view (--budget-ms). The defaults are 1, none and none; the \
+         command terrafill report takes others. Cheapest: least {clock} over the scene's views; of ties the one with \
+         the fewest bytes.{weight}{ties}",
         budget.tolerance_px,
     )
 }

@@ -25,7 +25,7 @@ mod turns;
 
 pub use failure::{Failure, StudyError};
 pub use files_read::files_read;
-pub use picture::{file_stem, write_rgb};
+pub use picture::{file_stem, write_photo, write_rgb};
 pub use plan::{FramesPerSample, Plan, RunOptions, plan, plan_shared};
 pub use run::{Progress, RunOutcome, Silent, run, run_by_turns};
 pub use session::{CaseGroup, OpenSession, judged, planned_case, verified};

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pictures of a run, as PNG files in its folder.
+//! Pictures of a run, as files in its folder: what is judged as PNG, what is only looked at as JPEG.
 
 use crate::StudyError;
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _};
+use image::{ExtendedColorType, ImageEncoder as _, ImageResult};
 use std::io::Cursor;
 use std::path::Path;
 use terrafill_results::RunError;
 
-/// Writes RGB pixels under `folder/images/` and returns the path relative to `folder`.
+/// Quality of pictures that are only looked at, of 100.
+const JPEG_QUALITY: u8 = 85;
+
+/// Writes RGB pixels without loss under `folder/images/` and returns the path relative to `folder`.
 ///
 /// - `name`: of the file, without its ending
 /// - `size`: columns and rows
@@ -19,10 +23,40 @@ use terrafill_results::RunError;
 pub fn write_rgb(
     folder: &Path,
     name: &str,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     rgb: &[u8],
 ) -> Result<String, StudyError> {
-    let relative = format!("images/{name}.png");
+    write(folder, format!("images/{name}.png"), size, rgb, |file| {
+        // Regions are flat: at the fastest level their pictures take several times as many bytes.
+        let (compression, filter) = (CompressionType::Default, FilterType::Adaptive);
+        let encoder = PngEncoder::new_with_quality(file, compression, filter);
+        encoder.write_image(rgb, size[0], size[1], ExtendedColorType::Rgb8)
+    })
+}
+
+/// As [`write_rgb`], with the losses of a photograph: for pictures that nothing is compared with.
+///
+/// # Errors
+/// As [`write_rgb`].
+pub fn write_photo(
+    folder: &Path,
+    name: &str,
+    size: [u32; 2],
+    rgb: &[u8],
+) -> Result<String, StudyError> {
+    write(folder, format!("images/{name}.jpg"), size, rgb, |file| {
+        let encoder = JpegEncoder::new_with_quality(file, JPEG_QUALITY);
+        encoder.write_image(rgb, size[0], size[1], ExtendedColorType::Rgb8)
+    })
+}
+
+fn write(
+    folder: &Path,
+    relative: String,
+    [width, height]: [u32; 2],
+    rgb: &[u8],
+    encode: impl FnOnce(&mut Cursor<Vec<u8>>) -> ImageResult<()>,
+) -> Result<String, StudyError> {
     let path = folder.join(&relative);
     let broken = |message: String| StudyError::Broken {
         place: path.display().to_string(),
@@ -36,11 +70,7 @@ pub fn write_rgb(
     }
     // In memory first: a buffered file hides that its last bytes were not written.
     let mut encoded = Cursor::new(Vec::new());
-    // Regions are flat: at the fastest level their pictures take several times as many bytes.
-    let encoder =
-        PngEncoder::new_with_quality(&mut encoded, CompressionType::Default, FilterType::Adaptive);
-    let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
-    written.map_err(|error| broken(error.to_string()))?;
+    encode(&mut encoded).map_err(|error| broken(error.to_string()))?;
     std::fs::write(&path, encoded.into_inner()).map_err(|source| RunError::Io { path, source })?;
     Ok(relative)
 }

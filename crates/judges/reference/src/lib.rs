@@ -17,6 +17,7 @@ mod backend;
 mod extent;
 mod great_ellipse;
 mod locator;
+mod map;
 mod planar;
 mod point;
 mod sampling;
@@ -30,5 +31,6 @@ mod validity;
 
 pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame, ReferenceScene};
 pub use locator::{Location, Locator};
+pub use map::MapPicture;
 pub use point::LocatorError;
 pub use surface::SurfaceTriangles;

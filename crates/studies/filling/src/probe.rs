@@ -12,7 +12,7 @@ use terrafill_study::Failure;
 use terrafill_surface::HeightRange;
 
 /// Notes of every case; empty for what it has not.
-const NOTES: [&str; 11] = [
+const NOTES: [&str; 12] = [
     "left_out",
     "texture_route",
     "mask_hash",
@@ -20,6 +20,8 @@ const NOTES: [&str; 11] = [
     "image",
     "difference_image",
     "reference_image",
+    // The view for people, with which nothing is compared.
+    "map_image",
     // The surroundings of the worst pixel, and its column and row.
     "worst_image",
     "worst_px",

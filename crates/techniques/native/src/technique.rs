@@ -57,11 +57,11 @@ impl Technique for NativeTechnique {
         &[
             (
                 "native",
-                "shadow volumes on Vulkan itself, which geometry shaders make, with the vertex shader as their control",
+                "shadow volumes that geometry shaders make, by Vulkan itself in place of wgpu",
             ),
             (
                 "vs-control",
-                "the vertex shader makes walls, with the bytes and the shader of vertex/doubled: what geometry shaders are compared with",
+                "for comparison: the vertex shader makes walls, with the bytes and the shader of vertex/doubled",
             ),
             (
                 "gs-degenerate",

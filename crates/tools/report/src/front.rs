@@ -2,11 +2,12 @@
 //! The first page: verdict, answers, requirements, and what a reader must know before any figure.
 
 use crate::contents::Report;
+use crate::glossary::of_drawing;
 use crate::verdict::{Verdict, plural};
 use crate::view::Renderer;
 use askama::Template;
 use std::collections::BTreeSet;
-use terrafill_results::{Finding, RunInput, Standing};
+use terrafill_results::{Block, Finding, RunInput, Standing};
 
 /// Letters of a commit on the first screen; the whole name is under "Environment".
 const SHORT_COMMIT: usize = 12;
@@ -113,7 +114,7 @@ pub(crate) fn front(
             id: renderer.id(&format!("answer-{}", chapter.study())),
             title: chapter.title(),
             question: chapter.question(),
-            html: renderer.html(&answers.blocks)?,
+            html: renderer.html(&explained(report, &answers.blocks))?,
         })
     });
     let answers: Vec<AnswerView> = answers.collect::<Result<_, askama::Error>>()?;
@@ -138,6 +139,33 @@ pub(crate) fn front(
         inputs: report.inputs,
     }
     .render()
+}
+
+/// An answer whose names are explained right below its sentence, and those of its first plot below that: who sees the
+/// page for the first time knows none.
+fn explained(report: &Report<'_>, blocks: &[Block]) -> Vec<Block> {
+    let names = |text: &str| Some(report.glossary.of_names(text)).filter(|all| !all.is_empty());
+    let mut with_names = Vec::new();
+    let mut has_plot = false;
+    for block in blocks {
+        with_names.push(block.clone());
+        match block {
+            Block::Lead(answer) => {
+                with_names.extend(names(answer).map(|all| Block::Remark(all.join(" · "))));
+            }
+            Block::Plot(plot) if !has_plot => {
+                has_plot = true;
+                let texts: Vec<String> = of_drawing(&plot.svg).collect();
+                with_names.extend(names(&texts.join("; ")).map(|all| Block::Folded {
+                    summary: "What the names mean".to_owned(),
+                    is_open: false,
+                    blocks: vec![Block::List(all)],
+                }));
+            }
+            _ => {}
+        }
+    }
+    with_names
 }
 
 /// On what, by which clock, how large, how often and when; what was not recorded is left out.
@@ -234,7 +262,16 @@ fn unmet(requirements: &[Requirement<'_>]) -> Vec<String> {
     /// As many as a reader takes in beside the verdict.
     const MAX_OPEN: usize = 2;
     let open = requirements.iter().filter(|of| of.standing != Met::Yes);
-    let lines = open.map(|of| format!("{}: {}", of.standing.name(), of.claim));
+    let lines = open.map(|of| {
+        // The sentence that leads to a command stands in the list.
+        let because = match of.because.trim_end().rsplit_once(". ") {
+            Some((because, _)) if !of.command.is_empty() => format!(" {because}."),
+            _ if of.command.is_empty() => format!(" {}", of.because),
+            _ => String::new(),
+        };
+        let line = format!("{}: {}{because}", of.standing.name(), of.claim);
+        line.trim_end().to_owned()
+    });
     let mut lines: Vec<String> = lines.collect();
     let more = lines.len().saturating_sub(MAX_OPEN);
     lines.truncate(MAX_OPEN);
@@ -296,7 +333,10 @@ mod tests {
             ]
         );
         assert_eq!(tally(&lines), "1 met, 1 not met, 1 undecided");
-        assert_eq!(unmet(&lines), ["not met: It grows", "undecided: It grows"]);
+        assert_eq!(
+            unmet(&lines),
+            ["not met: It grows 1.00 ×", "undecided: It grows No device."]
+        );
         let four = [&findings[1..], &findings[1..]].concat();
         assert_eq!(unmet(&checklist(&four))[2], "and 2 more");
         assert!(unmet(&checklist(&findings[..1])).is_empty(), "control");

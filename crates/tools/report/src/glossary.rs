@@ -12,6 +12,12 @@ use terrafill_results::{Block, MetricRow, Table, Term};
 /// General words, in sections of tables.
 const GENERAL: &str = include_str!("../../../../GLOSSARY.md");
 
+/// Groups of words that names in answers are made of.
+const OF_NAMES: [&str; 2] = [TECHNIQUES, "In names of fills"];
+
+/// The group of techniques and their layouts.
+pub const TECHNIQUES: &str = "Techniques and their layouts";
+
 /// Its sections about other pages than a report's.
 const OF_OTHER_PAGES: [&str; 2] = ["In the gate", "In a history"];
 
@@ -61,6 +67,22 @@ impl Glossary {
         });
         groups.push(("Metrics".to_owned(), metrics.collect()));
         Self(groups)
+    }
+
+    /// What the names in a text are made of, a line for each word, in the order in which they stand there first.
+    pub(crate) fn of_names(&self, text: &str) -> Vec<String> {
+        let text = plain(text);
+        let groups = self.0.iter();
+        let groups = groups.filter(|(title, _)| OF_NAMES.contains(&title.as_str()));
+        let entries = groups.flat_map(|(_, entries)| entries);
+        let found = entries.filter_map(|entry| {
+            let word = plain(&entry.word);
+            let place = text.find(&word).filter(|_| stands_in(&word, &text))?;
+            Some((place, format!("{}: {}", entry.word, entry.meaning)))
+        });
+        let mut found: Vec<(usize, String)> = found.collect();
+        found.sort();
+        found.into_iter().map(|(_, line)| line).collect()
     }
 
     /// The entries of words that stand in one of `texts`.
@@ -132,7 +154,7 @@ fn of_table(table: &Table, texts: &mut BTreeSet<String>) {
 }
 
 /// The texts of an SVG element.
-fn of_drawing(svg: &str) -> impl Iterator<Item = String> {
+pub(crate) fn of_drawing(svg: &str) -> impl Iterator<Item = String> {
     svg.split("<text").skip(1).filter_map(|rest| {
         let (_, text) = rest.split_once('>')?;
         Some(plain(text.split_once('<')?.0))
@@ -197,6 +219,26 @@ mod tests {
         for absent in ["blessing", "drift", "term", "made-up"] {
             assert_eq!(meaning(absent), None, "{absent}");
         }
+    }
+
+    #[test]
+    fn a_name_in_an_answer_is_explained_word_by_word() {
+        let fills = (
+            TECHNIQUES,
+            vec![
+                ("gs-line", "from lines"),
+                ("cached", "kept"),
+                ("native", "Vulkan"),
+            ],
+        );
+        let glossary = Glossary::new([fills, ("Switches", vec![("take", "no name")])], &[]);
+        assert_eq!(
+            glossary.of_names("Take native/gs-line: 1 ms."),
+            ["native: Vulkan", "gs-line: from lines"]
+        );
+        let planned = glossary.of_names("Take native/gs-line, full plan");
+        assert!(planned[2].starts_with("full plan: "), "{planned:?}");
+        assert!(glossary.of_names("Take strips.").is_empty(), "control");
     }
 
     #[test]

@@ -22,6 +22,6 @@ mod view;
 mod write;
 
 pub use error::ReportError;
-pub use glossary::TermGroup;
+pub use glossary::{TECHNIQUES, TermGroup};
 pub use verdict::{Counts, Verdict};
 pub use write::{WrittenReport, write, write_page, write_single_file};

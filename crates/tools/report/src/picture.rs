@@ -2,6 +2,7 @@
 //! Pictures of a run: as files beside the pages, or as data URIs where one file must hold all.
 
 use base64::Engine as _;
+use image::ImageFormat;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::ErrorKind;
 use std::path::{Component, Path};
@@ -18,9 +19,10 @@ pub(crate) enum Unshown {
     Broken(String),
 }
 
-/// A picture of the run's folder that can be shown.
+/// A picture of the run's folder that can be shown, PNG or JPEG.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Picture {
+    format: ImageFormat,
     /// Its file.
     bytes: Vec<u8>,
     /// Pixels.
@@ -38,8 +40,9 @@ impl Picture {
     /// [`Unshown`]. A path that leaves the folder is refused: a report may be made from
     /// a folder that came from elsewhere, and must not carry other files of this machine along.
     pub(crate) fn read(folder: &Path, relative: &str) -> Result<Self, Unshown> {
-        let (bytes, decoded) = decoded(folder, relative)?;
+        let (format, bytes, decoded) = decoded(folder, relative)?;
         Ok(Self {
+            format,
             bytes,
             width: decoded.width(),
             height: decoded.height(),
@@ -51,13 +54,14 @@ impl Picture {
     /// # Errors
     /// As [`Picture::read`].
     pub(crate) fn small(folder: &Path, relative: &str) -> Result<Self, Unshown> {
-        let (_, decoded) = decoded(folder, relative)?;
+        let (format, _, decoded) = decoded(folder, relative)?;
         let small = decoded.thumbnail(SMALL_PX, SMALL_PX).to_rgb8();
         let mut bytes = std::io::Cursor::new(Vec::new());
         small
-            .write_to(&mut bytes, image::ImageFormat::Png)
+            .write_to(&mut bytes, format)
             .map_err(|error| Unshown::Broken(format!("{relative}: {error}")))?;
         Ok(Self {
+            format,
             bytes: bytes.into_inner(),
             width: small.width(),
             height: small.height(),
@@ -66,7 +70,16 @@ impl Picture {
 
     /// `data:image/png;base64,…`
     pub(crate) fn uri(&self) -> String {
-        data_uri("image/png", &self.bytes)
+        data_uri(self.format.to_mime_type(), &self.bytes)
+    }
+
+    /// Of its file, without the dot.
+    pub(crate) fn ending(&self) -> &'static str {
+        self.format
+            .extensions_str()
+            .first()
+            .copied()
+            .unwrap_or_default()
     }
 
     /// Its file's bytes.
@@ -88,7 +101,10 @@ pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{encoded}")
 }
 
-fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImage), Unshown> {
+fn decoded(
+    folder: &Path,
+    relative: &str,
+) -> Result<(ImageFormat, Vec<u8>, image::DynamicImage), Unshown> {
     let broken = |why: &dyn std::fmt::Display| Unshown::Broken(format!("{relative}: {why}"));
     let path = Path::new(relative);
     let inside = path
@@ -101,9 +117,10 @@ fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImag
         ErrorKind::NotFound => Unshown::Absent,
         _ => broken(&error),
     })?;
-    let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
-        .map_err(|error| broken(&error))?;
-    Ok((bytes, decoded))
+    let format = ImageFormat::from_path(path).unwrap_or(ImageFormat::Png);
+    let decoded =
+        image::load_from_memory_with_format(&bytes, format).map_err(|error| broken(&error))?;
+    Ok((format, bytes, decoded))
 }
 
 /// A path as an address: what would end or change it is escaped.

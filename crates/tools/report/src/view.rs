@@ -403,7 +403,7 @@ impl<'a> Renderer<'a> {
         if self.form == Form::SingleFile {
             return Some((small.uri(), width, height));
         }
-        let file = format!("{PAGES}/{SMALL}/{}.png", slug(path));
+        let file = format!("{PAGES}/{SMALL}/{}.{}", slug(path), small.ending());
         if !self.files.iter().any(|(known, _)| *known == file) {
             self.files.push((file.clone(), small.into_bytes()));
         }

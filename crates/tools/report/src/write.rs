@@ -4,9 +4,7 @@
 use crate::contents::Report;
 use crate::glossary::{Glossary, TermGroup};
 use crate::pages::{alone, pages};
-use crate::verdict::{
-    Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences, that_are,
-};
+use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, sentences, that_are};
 use crate::view::{File, Form, INDEX, PAGES};
 use crate::{ReportError, clocks, markdown};
 use serde::Serialize;
@@ -305,7 +303,10 @@ fn environment(run: &Run, read: &[DeviceClock]) -> Vec<(&'static str, String)> {
         ("image", image),
         (
             "processes",
-            plural(run.plan.processes as usize, "replicate"),
+            match run.plan.processes {
+                1 => "1 process".to_owned(),
+                several => format!("{several} processes"),
+            },
         ),
         ("warm-up blocks", run.plan.warm_up.to_string()),
         ("shard", shard.unwrap_or_else(|| "all".to_owned())),

@@ -190,14 +190,18 @@ document.addEventListener("DOMContentLoaded", () => {
     says(named, lines);
   }
   for (const answer of document.querySelectorAll(".lead, .chapter > .names li")) {
-    const pieces = meanings.size ? answer.textContent.split(word) : [];
-    if (pieces.length < 2 || answer.children.length) continue;
+    if (answer.children.length) continue;
+    // A command is for copying: its words are explained in front of it.
+    const text = answer.textContent, at = text.search(/terrafill (?:bench|render) /);
+    const [words, command] = at < 0 ? [text, ""] : [text.slice(0, at), text.slice(at)];
+    const pieces = meanings.size ? words.split(word) : [words];
+    if (pieces.length < 2 && !command) continue;
     answer.replaceChildren(...pieces.map((piece, index) => {
       if (index % 2 === 0) return piece;
       const term = make("span", { className: "term", textContent: piece, tabIndex: 0 });
       says(term, explained(piece));
       return term;
-    }));
+    }), ...(command ? [make("code", { textContent: command })] : []));
   }
 
   // In a single file plots have no drawings beside them.

@@ -22,7 +22,6 @@ mod input;
 mod inspect;
 mod locate;
 mod manual;
-mod map_style;
 mod mesh;
 mod outcome;
 mod output;

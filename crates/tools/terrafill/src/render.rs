@@ -6,7 +6,6 @@ use crate::data::data_dirs;
 use crate::draft;
 use crate::fit;
 use crate::input::is_standard;
-use crate::map_style;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, technique};
@@ -24,7 +23,7 @@ use terrafill_contract::{
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_filling::PictureCheck;
 use terrafill_plan::{LeveledMeshes, PlanOptions};
-use terrafill_reference::ReferenceBackend;
+use terrafill_reference::{MapPicture, ReferenceBackend};
 use terrafill_scene::{ImageSize, Scene, View, choices};
 use terrafill_surface::open_surface;
 use terrafill_variant::Variant;
@@ -72,7 +71,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         return Err(Failure::bad_input(message));
     }
     let input = input(&scene, view, &wanted, arguments)?;
-    let map = (arguments.style == Style::Map).then(|| map_style::draw(&input));
+    let map = (arguments.style == Style::Map).then(|| MapPicture::of(&input));
     let map = map.transpose().map_err(Failure::bad_input)?;
     let drawn = match &wanted.subject {
         None => draw_reference(&input, wanted.is_textured)?,

@@ -51,7 +51,7 @@ pub(crate) fn terms() -> Vec<TermGroup> {
         steps.map(|step| (step.name, step.change))
     });
     vec![
-        ("Techniques and their layouts", distinct(techniques)),
+        (terrafill_report::TECHNIQUES, distinct(techniques)),
         ("Switches", distinct(own_switches)),
         ("Steps of ablations", distinct(steps)),
     ]

@@ -5,12 +5,13 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::contest::{Contest, ranked};
+use super::contest::{Contest, ranked, tied};
 use super::data::{Data, grouped, is_baseline, label};
 use super::table::or_dash;
 use super::{error_time, memory, needs, take, textured};
 use crate::keys::*;
 use crate::purpose::{Purpose, is_approximate, is_control};
+use terrafill_conformance::MAX_ROUNDED_PX;
 use terrafill_lab::{none_differs, some_of};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{count, digits, elided, figure, measured_bytes, significant};
@@ -73,11 +74,10 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
         }
         let caption = format!(
             "Every view with its best fills. Recommended: of the fastest fill and its ties, which differ from it by no \
-             more than identical work did, the one with the fewest bytes. Smallest: fewest bytes of geometry. Most \
-             exact: least boundary distance, then fewest mismatched pixels. Of several the fastest is named. The same: as \
-             recommended; a column without another is left out. A cell: \
-             technique, {} with its 95 % interval where there are processes enough, bytes, Hausdorff distance of the \
-             boundary from the reference's, by how much levels of detail moved it, and mismatched pixels.",
+             more than the same work measured twice, the one with the fewest bytes of geometry. A column that says nothing \
+             else is left out. In a cell: {} with its 95 % interval where processes suffice, bytes of geometry, by how \
+             many pixels the boundary is off the reference's, of these on purpose by levels of detail, and how many \
+             pixels differ.",
             data.timings.unit(),
         );
         blocks.extend(take::blocks(data, &contests)?);
@@ -115,10 +115,23 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     };
     let all = view.cases.iter();
     let all = all.filter(|case| !Purpose::Sweep.is_of(case) && !is_approximate(case));
-    let pictures = view.cases.iter().map(|case| case.note("reference_image"));
+    // A run of an older program has no maps.
+    let mut notes = ["map_image", "reference_image"].into_iter();
+    let picture = notes.find_map(|note| {
+        let files = view.cases.iter().map(|case| case.note(note));
+        files.max().filter(|file| !file.is_empty())
+    });
+    let regions = contest.counted(REGIONS_DRAWN);
+    let regions = regions.map_or_else(String::new, |drawn| {
+        format!(
+            ", {} {}",
+            digits(drawn),
+            if drawn == 1.0 { "region" } else { "regions" }
+        )
+    });
     let name = Cell {
-        detail: format!("{} of {} fills right", fills.len(), all.count()),
-        picture: pictures.max().unwrap_or_default().to_owned(),
+        detail: format!("{} of {} fills right{regions}", fills.len(), all.count()),
+        picture: picture.unwrap_or_default().to_owned(),
         section: view.scene.to_owned(),
         ..Cell::name(view.title())
     };
@@ -135,8 +148,8 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         winner(data, recommended),
         cell(Some(fastest)),
         ties,
-        cell(least(fills, bytes)),
-        cell(least(fills, error)),
+        cell(least([recommended].iter().chain(fills), bytes)),
+        cell(least([recommended].iter().chain(fills), error)),
     ];
     Some(Row::named(name, cells))
 }
@@ -219,13 +232,23 @@ fn winner(data: &Data<'_>, case: &Case) -> Cell {
     let time = data.timings.typical(case).map(|time| figure(&time));
     let size = case.value(GEOMETRY_BYTES).map(measured_bytes);
     let moved = case.value(BOUNDARY_MOVED_PX);
-    let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
+    let moved = moved.filter(|px| *px > MAX_ROUNDED_PX);
+    let moved = moved.map_or_else(String::new, |px| {
+        format!(" ({} on purpose)", significant(px))
+    });
+    let off = case.value(HAUSDORFF_PX).map(significant);
+    let off = off.map_or_else(
+        || "no boundary in sight".to_owned(),
+        |px| match px.as_str() {
+            "0" => "boundary exact".to_owned(),
+            px => format!("boundary off ≤ {px} px"),
+        },
+    );
     let cell = Cell {
         detail: format!(
-            "{} ms · {} · boundary {} px{moved}, {} px differ",
+            "{} ms · {} · {off}{moved}, {} pixels differ",
             or_dash(time),
             size.unwrap_or_else(|| "bytes unknown".to_owned()),
-            or_dash(case.value(HAUSDORFF_PX).map(significant)),
             or_dash(case.value(MISMATCHED_PX).map(digits)),
         ),
         ..data.name_cell(case, label(case))
@@ -251,8 +274,7 @@ fn guide(data: &Data<'_>, contests: &[Contest<'_, '_>]) -> Vec<Block> {
 fn advised(data: &Data<'_>, kind: &str, contests: &[&Contest<'_, '_>]) -> Option<String> {
     let ranked = ranked(data, contests);
     let best = ranked.first()?;
-    let others = ranked[1..].iter();
-    let ties = others.take_while(|other| data.timings.is_tie(other.mean / best.mean));
+    let ties = tied(data, &ranked)[1..].iter();
     let ties: Vec<&str> = ties.map(|fill| fill.name.as_str()).collect();
     let ties = match ties.as_slice() {
         [] => String::new(),

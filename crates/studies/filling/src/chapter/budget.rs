@@ -54,7 +54,7 @@ fn error_px(case: &Case) -> Option<f64> {
 }
 
 /// Bytes of geometry, constants, targets and textures; `None` where the technique counts none.
-fn held_bytes(case: &Case) -> Option<f64> {
+pub(super) fn held_bytes(case: &Case) -> Option<f64> {
     let others = HELD.iter().filter_map(|metric| case.value(*metric));
     Some(case.value(GEOMETRY_BYTES)? + others.sum::<f64>())
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Fills that compete: in a view, and over all views.
 
+use super::budget::held_bytes;
 use super::data::{Data, ViewCases, label};
 use crate::keys::*;
 use terrafill_conformance::MAX_ROUNDED_PX;
@@ -61,6 +62,13 @@ impl Ranked<'_> {
         figures?.into_iter().reduce(f64::max)
     }
 
+    /// All that it holds on the device in the view where that is most; `None` where one does not count it.
+    pub(super) fn held_bytes(&self) -> Option<f64> {
+        let held = self.cases.iter().map(|case| held_bytes(case));
+        let held: Option<Vec<f64>> = held.collect();
+        held?.into_iter().reduce(f64::max)
+    }
+
     /// By how much levels of detail move boundaries at most, pixels; `None` where none is moved on purpose.
     pub(super) fn moved_px(&self) -> Option<f64> {
         let moved = self
@@ -91,4 +99,14 @@ pub(super) fn ranked<'a>(data: &Data<'a>, contests: &[&Contest<'_, 'a>]) -> Vec<
     let mut ranked: Vec<Ranked<'_>> = ranked.collect();
     ranked.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     ranked
+}
+
+/// The first and those that tie with it, by the mean.
+pub(super) fn tied<'r, 'a>(data: &Data<'_>, ranked: &'r [Ranked<'a>]) -> &'r [Ranked<'a>] {
+    let Some(first) = ranked.first() else {
+        return ranked;
+    };
+    let is_tie = |fill: &Ranked<'_>| data.timings.is_tie(fill.mean / first.mean);
+    let others = ranked[1..].iter().take_while(|fill| is_tie(fill));
+    &ranked[..=others.count()]
 }

@@ -211,8 +211,11 @@ fn pictures(data: &Data<'_>, view: &ViewCases<'_>) -> Option<Pictures> {
     let has_pictures = cases.iter().any(|case| !case.note("image").is_empty());
     let laid_over = reference.as_ref().filter(|_| has_pictures);
     let laid_over = laid_over.map_or_else(String::new, |picture| picture.path.clone());
+    let map = cases
+        .iter()
+        .find_map(|case| Picture::of(case, "map_image", "the view, as a map shows it"));
     let reference = reference.map(|reference| PictureFigure {
-        pictures: vec![reference],
+        pictures: map.into_iter().chain([reference]).collect(),
         notes: Vec::new(),
     });
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The answer in a few sentences and one picture. They say what to take, how far off the best it is, what it holds and
-//! how sure that is. Then come what unmoved boundaries cost on top, and the next best.
+//! The answer in a sentence, its price in a few lines, and one picture. The sentence says what to take and how far off the
+//! best it is. The lines say what it holds, how its pictures differ, what exact boundaries cost, how sure all that is,
+//! and what is as good or next best.
 
-use super::contest::{Contest, Ranked, ranked};
+use super::contest::{Contest, Ranked, ranked, tied};
 use super::data::{Data, label, layout_name};
 use crate::keys::{GEOMETRY_BYTES, MISMATCHED_PX, MISMATCHED_PX_OUTSIDE_BAND};
 use crate::purpose::is_approximate;
@@ -12,7 +13,7 @@ use terrafill_plot::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::threshold::MIN_REPLICATES;
 use terrafill_results::{Block, Case, ChapterError, Estimate, Spread, median, typical};
 
-/// Both; nothing of a view without a fill that is right and timed.
+/// All three; nothing of a view without a fill that is right and timed.
 pub(super) fn blocks<'a>(
     data: &Data<'a>,
     contests: &[Contest<'_, 'a>],
@@ -20,26 +21,42 @@ pub(super) fn blocks<'a>(
     let contested = contests.iter().filter(|contest| !contest.fills.is_empty());
     let contested: Vec<&Contest<'_, '_>> = contested.collect();
     let ranked = ranked(data, &contested);
-    let mut blocks = vec![Block::Lead(answer(data, &ranked, contested.len()))];
+    let mut blocks = answer(data, &ranked, contested.len());
     blocks.extend(picture(data, &contested, &ranked)?);
     Ok(blocks)
 }
 
-fn answer(data: &Data<'_>, ranked: &[Ranked<'_>], views: usize) -> String {
-    let Some((best, others)) = ranked.split_first() else {
-        return format!(
+/// The sentence and the lines.
+fn answer(data: &Data<'_>, ranked: &[Ranked<'_>], views: usize) -> Vec<Block> {
+    let ties = tied(data, ranked);
+    let Some(best) = least_geometry(ties) else {
+        let none = format!(
             "No fill is right and timed in all {views} views; the table says which is the best of each."
         );
+        return vec![Block::Lead(none)];
     };
-    let sentences = [
-        Some(taken(data, best)),
+    let lines = [
+        times(data, best),
         Some(held(best)),
+        Some(pictures(best)),
+        exactness(best, ranked),
         Some(sureness(data, best)),
-        exactness(best, others),
-        next(data, best, others),
+        next(best, ranked, ties),
+        software(data),
+        shown(data, best),
     ];
-    let sentences: Vec<String> = sentences.into_iter().flatten().collect();
-    sentences.join(" ")
+    vec![
+        Block::Lead(
+            unseparated(data, best, ranked, ties).unwrap_or_else(|| taken(data, best, ties)),
+        ),
+        Block::List(lines.into_iter().flatten().collect()),
+    ]
+}
+
+/// Of fills that tie the one whose geometry takes the fewest bytes, as in each view; of several the fastest.
+fn least_geometry<'r, 'a>(ties: &'r [Ranked<'a>]) -> Option<&'r Ranked<'a>> {
+    let bytes = |fill: &Ranked<'_>| fill.most_of(GEOMETRY_BYTES).unwrap_or(f64::INFINITY);
+    ties.iter().min_by(|a, b| bytes(a).total_cmp(&bytes(b)))
 }
 
 /// Every fill of all views, and approximate ones, by how much longer they take than the fastest right one of each view.
@@ -49,14 +66,19 @@ fn picture(
     ranked: &[Ranked<'_>],
 ) -> Result<Option<Block>, ChapterError> {
     let right = ranked.iter().map(|fill| {
-        let value = format!(", {} × at most", significant(fill.most));
+        let held = fill
+            .held_bytes()
+            .map_or_else(String::new, |bytes| format!(", {}", measured_bytes(bytes)));
+        let value = format!(", {} × at most{held}", significant(fill.most));
         row(data, fill.name.clone(), &fill.cases, &fill.ratios, value)
     });
-    let mut rows: Vec<RatioRow> = right.chain(approximate(data, contested)).collect();
+    let approximate = approximate(data, contested);
+    let has_approximate = !approximate.is_empty();
+    let mut rows: Vec<RatioRow> = right.chain(approximate).collect();
     let place = |row: &RatioRow| data.palette().place(&row.series);
     rows.sort_by(|a, b| (place(a), &a.label).cmp(&(place(b), &b.label)));
     let title = format!(
-        "{} over the view's fastest right fill (logarithmic)",
+        "{} ÷ those of the view's fastest right fill (logarithmic)",
         data.timings.unit()
     );
     let plot = RatioPlot {
@@ -73,10 +95,21 @@ fn picture(
             rows,
         }],
     };
-    let caption = "How much longer each fill takes than the fastest. Its mark is the geometric mean over the views. Its \
-        line goes from the least to the most of them and is no error bar. Left is better. Grey about 1: as far as \
-        identical work differed. Only fills that were right and timed in every view are shown, and approximate ones \
-        with their wrong pixels over all views.";
+    let noise = match plot.tie_factor {
+        Some(_) => " Grey: by how much the same work measured twice differed.",
+        None => "",
+    };
+    let off = if has_approximate {
+        " Approximate fills are shown with their wrong pixels, all views together."
+    } else {
+        ""
+    };
+    let caption = format!(
+        "How much longer each fill takes than the fastest of its view, where it is right and timed in every view. Left is \
+         better. The mark is the geometric mean over the views. The line goes from the least to the most of them and is \
+         no error bar. On the right: the mean, the most, and all bytes that it holds on the device where they are \
+         most.{noise}{off}"
+    );
     Ok(Block::plot(caption, plot.draw(data.palette())?))
 }
 
@@ -124,7 +157,7 @@ fn row(data: &Data<'_>, label: String, cases: &[&Case], ratios: &[f64], value: S
 }
 
 /// How far off the fastest it is over all views, and in how many it is the fastest or ties with it.
-fn taken(data: &Data<'_>, best: &Ranked<'_>) -> String {
+fn taken(data: &Data<'_>, best: &Ranked<'_>, ties: &[Ranked<'_>]) -> String {
     let is_first = |ratio: &&f64| **ratio <= 1.0 || data.timings.is_tie(**ratio);
     let (first, all) = (
         best.ratios.iter().filter(is_first).count(),
@@ -134,38 +167,86 @@ fn taken(data: &Data<'_>, best: &Ranked<'_>) -> String {
         (1, 1) => "the fastest of its view, or tied".to_owned(),
         _ if first == all => format!("fastest or tied in all {all} views"),
         _ => format!(
-            "over {all} views {} × the time of each view's fastest, the least of all, and {} × at most; fastest or \
-             tied in {first}",
+            "over {all} views {} × the time of each view's fastest on average{}, {} × at most; fastest or tied in {first}",
             significant(best.mean),
+            if ties.len() > 1 {
+                ""
+            } else {
+                ", the least of all"
+            },
             significant(best.most)
         ),
     };
-    format!("Take {}: {views}.", best.name)
+    let of_ties = match ties.len() {
+        0 | 1 => "",
+        _ => " Of the fills that tie with it on average it has the fewest bytes.",
+    };
+    format!("Take {}: {views}.{of_ties}", best.name)
 }
 
-/// Bytes of geometry where they are most, and how its pictures differ from the reference's.
+/// That times decide nothing, where they do not: every fill that is right in all views ties.
+fn unseparated(
+    data: &Data<'_>,
+    best: &Ranked<'_>,
+    ranked: &[Ranked<'_>],
+    ties: &[Ranked<'_>],
+) -> Option<String> {
+    let noise = data.timings.noise?;
+    (ties.len() > 1 && ties.len() == ranked.len()).then(|| {
+        format!(
+            "No fill is proven faster: on average the {} that are right in every view differ by less than the same work \
+             measured twice, which differed by up to {} %. Take {} for the fewest bytes.",
+            ties.len(),
+            percent(noise.max_factor()),
+            best.name
+        )
+    })
+}
+
+/// Its times in the fastest and the slowest view.
+fn times(data: &Data<'_>, best: &Ranked<'_>) -> Option<String> {
+    let times = best.cases.iter();
+    let times = times.map(|case| Some(data.timings.typical(case)?.middle));
+    let times: Vec<f64> = times.collect::<Option<_>>()?;
+    let most = times.iter().copied().reduce(f64::max)?;
+    let least = times.into_iter().reduce(f64::min)?;
+    Some(format!(
+        "Time: {} to {} {} a view.",
+        significant(least),
+        significant(most),
+        data.timings.unit()
+    ))
+}
+
+/// Bytes on the device where they are most.
 fn held(best: &Ranked<'_>) -> String {
-    let bytes = best.most_of(GEOMETRY_BYTES).map(measured_bytes);
-    let bytes = bytes.map_or_else(
-        || "Its bytes were not counted".to_owned(),
-        |bytes| format!("At most {bytes} of geometry in a view"),
-    );
-    let differ = best.most_of(MISMATCHED_PX).map_or_else(
-        || "How many pixels differ was not counted".to_owned(),
-        |px| {
-            format!(
-                "At most {} pixels of a picture differ from the reference's, all of them at boundaries",
-                digits(px)
-            )
-        },
-    );
+    match (best.held_bytes(), best.most_of(GEOMETRY_BYTES)) {
+        (Some(held), Some(geometry)) => format!(
+            "Memory: at most {} on the device in a view, all buffers and textures counted; geometry alone at most {}.",
+            measured_bytes(held),
+            measured_bytes(geometry)
+        ),
+        _ => "Memory: not counted.".to_owned(),
+    }
+}
+
+/// How its pictures differ from the reference's.
+fn pictures(best: &Ranked<'_>) -> String {
+    let differ = match best.most_of(MISMATCHED_PX) {
+        None => "how many pixels differ was not counted".to_owned(),
+        Some(0.0) => "none differs from the exact reference in any pixel".to_owned(),
+        Some(px) => format!(
+            "at most {} pixels of one differ from the exact reference, all of them at boundaries",
+            digits(px)
+        ),
+    };
     let moved = best.moved_px().map_or_else(String::new, |px| {
         format!(
-            ", which are moved by up to {} px on purpose",
+            ". Its levels of detail moved boundaries by up to {} px on purpose, which counts as right",
             significant(px)
         )
     });
-    format!("{bytes}. {differ}{moved}.")
+    format!("Pictures: {differ}{moved}.")
 }
 
 /// Half the width of the times' 95 % intervals, as a share of the times: the median over views.
@@ -181,69 +262,83 @@ fn sureness(data: &Data<'_>, best: &Ranked<'_>) -> String {
         Some(50.0 * (high - low) / time.middle)
     };
     let widths: Option<Vec<f64>> = times.iter().map(half_percent).collect();
-    match widths.and_then(|widths| median(&widths)) {
-        Some(percent) => format!(
-            "Times are sure to ± {} % ({processes} processes).",
-            significant(percent)
-        ),
-        None => {
-            let noise = data.timings.noise.map(|noise| noise.max_factor() - 1.0);
-            let noise = noise.map_or_else(String::new, |noise| {
-                format!(
-                    ", and identical work differed by up to {} %",
-                    significant(100.0 * noise)
-                )
-            });
-            format!(
-                "How sure the times are is not known: {processes} {} ran, an interval takes {MIN_REPLICATES}{noise}.",
-                if processes == 1 {
-                    "process"
-                } else {
-                    "processes"
-                },
-            )
-        }
+    if let Some(half) = widths.and_then(|widths| median(&widths)) {
+        return format!(
+            "How sure: times to ± {} % ({processes} processes).",
+            significant(half)
+        );
     }
+    let noise = data.timings.noise.map_or_else(String::new, |noise| {
+        format!(
+            " The same work measured twice differed by up to {} %.",
+            percent(noise.max_factor())
+        )
+    });
+    format!(
+        "How sure: unknown. {processes} {} ran, and an interval takes {MIN_REPLICATES}.{noise}",
+        if processes == 1 {
+            "process"
+        } else {
+            "processes"
+        }
+    )
+}
+
+/// By how many percent a factor differs from 1.
+fn percent(factor: f64) -> String {
+    significant(100.0 * (factor - 1.0))
 }
 
 /// What the fastest fill that moves no boundary costs on top; nothing where the best moves none.
-fn exactness(best: &Ranked<'_>, others: &[Ranked<'_>]) -> Option<String> {
+fn exactness(best: &Ranked<'_>, ranked: &[Ranked<'_>]) -> Option<String> {
     best.moved_px()?;
-    let Some(exact) = others.iter().find(|other| other.moved_px().is_none()) else {
-        return Some("No fill that moves no boundary was timed in all views.".to_owned());
+    let Some(exact) = ranked.iter().find(|other| other.moved_px().is_none()) else {
+        return Some("Without moved boundaries: no such fill was timed in all views.".to_owned());
     };
     let bytes = exact
         .most_of(GEOMETRY_BYTES)
         .zip(best.most_of(GEOMETRY_BYTES));
     let bytes = bytes.filter(|(_, own)| *own > 0.0);
     let bytes = bytes.map_or_else(String::new, |(exact, own)| {
-        format!(" and {} × the bytes", significant(exact / own))
+        format!(" and {} × the bytes of geometry", significant(exact / own))
     });
     Some(format!(
-        "Without moved boundaries: {} × the time{bytes} ({}).",
+        "Without moved boundaries the fastest is {}: {} × the time{bytes}.",
+        exact.name,
         significant(exact.mean / best.mean),
-        exact.name
     ))
 }
 
 /// The best of other layouts: those that tie with it by name, else the next with its price.
-fn next(data: &Data<'_>, best: &Ranked<'_>, others: &[Ranked<'_>]) -> Option<String> {
+fn next(best: &Ranked<'_>, ranked: &[Ranked<'_>], ties: &[Ranked<'_>]) -> Option<String> {
     let layout = best.cases.first().map(|case| layout_name(case));
     let is_other =
         |other: &&Ranked<'_>| other.cases.first().map(|case| layout_name(case)) != layout;
-    let over = |other: &Ranked<'_>| other.mean / best.mean;
-    let others = others.iter().filter(is_other);
-    let ties = others
-        .clone()
-        .take_while(|other| data.timings.is_tie(over(other)));
-    let ties: Vec<&str> = ties.map(|other| other.name.as_str()).collect();
-    if !ties.is_empty() {
-        return Some(format!("As fast on average: {}.", some_of(&ties)));
+    let tied = ties.iter().filter(is_other);
+    let tied: Vec<&str> = tied.map(|other| other.name.as_str()).collect();
+    if !tied.is_empty() {
+        return Some(format!("As fast on average: {}.", some_of(&tied)));
     }
-    let next = others.clone().next()?;
+    let next = ranked.iter().find(is_other)?;
     Some(format!(
-        "Next best: {}, {} × on average.",
+        "Next best: {}, {} × its time on average.",
         next.name,
-        significant(over(next))
+        significant(next.mean / best.mean)
+    ))
+}
+
+/// That a GPU may rank them otherwise, where none was measured.
+fn software(data: &Data<'_>) -> Option<String> {
+    (data.run.environment.device_type == "cpu").then(|| {
+        "No GPU was measured: this device is software on the processor, and a GPU may rank fills otherwise.".to_owned()
+    })
+}
+
+/// What draws a picture of it, with all its switches.
+fn shown(data: &Data<'_>, best: &Ranked<'_>) -> Option<String> {
+    let commands = best.cases.iter().map(|case| data.command(case));
+    let first = commands.into_iter().find(|command| !command.is_empty())?;
+    Some(format!(
+        "To draw one of its pictures, with all its switches: {first}"
     ))
 }

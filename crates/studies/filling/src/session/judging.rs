@@ -144,6 +144,7 @@ impl ViewSession<'_> {
         if !probe.has_note("reference_image") {
             probe.note("reference_image", reference.image.clone());
         }
+        probe.note("map_image", self.references.map()?);
         if checks_nothing(&reference.frame) {
             probe.remark("no region boundary in sight: this view checks nothing");
         }

@@ -2,6 +2,7 @@
 //! What a view's pictures are compared with: its references, and what was found of each picture.
 
 use crate::cases::{FillCase, ViewGroup};
+use crate::images::file_stem;
 use crate::subject::Subject;
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -14,14 +15,17 @@ use terrafill_conformance::{
 };
 use terrafill_contract::{FillInput, Frame, Technique, paint};
 use terrafill_core::EdgeRule;
-use terrafill_reference::{CloseLook, ReferenceBackend, ReferenceScene};
+use terrafill_reference::{CloseLook, MapPicture, ReferenceBackend, ReferenceScene};
 use terrafill_results::quantile;
 use terrafill_scene::ImageSize;
-use terrafill_study::{StudyError, write_rgb};
+use terrafill_study::{StudyError, write_photo, write_rgb};
 use terrafill_variant::Variant;
 
 /// Errors of a picture, or why it could not be compared.
 type Compared = Result<ErrorFigures, String>;
+
+/// Longer side of a map, pixels.
+const MAP_PX: u32 = 256;
 
 /// The reference's picture of the view.
 pub(super) struct Reference {
@@ -92,6 +96,8 @@ pub(super) struct References<'a> {
     /// Drawn when the first picture is compared: a process that only measures again needs none. By the
     /// scene's edge rule on its surface, and by what else a rival has.
     drawn: [OnceCell<Reference>; 4],
+    /// File of the view as a map shows it.
+    map: OnceCell<String>,
     /// What the comparison of each picture found: equal pictures get equal figures.
     compared: BTreeMap<(String, u64, bool, usize), Compared>,
 }
@@ -103,6 +109,7 @@ impl<'a> References<'a> {
             folder,
             input: Rc::clone(input),
             drawn: Default::default(),
+            map: OnceCell::new(),
             compared: BTreeMap::new(),
         }
     }
@@ -157,6 +164,22 @@ impl<'a> References<'a> {
             rays,
             image,
         }))
+    }
+
+    /// File of the view as a map shows it, small: for people, who see neither terrain nor horizon in what is judged.
+    pub(super) fn map(&self) -> Result<String, StudyError> {
+        if let Some(known) = self.map.get() {
+            return Ok(known.clone());
+        }
+        let map = MapPicture::small(&self.input, MAP_PX);
+        let map = map.map_err(|error| self.group.broken(&error))?;
+        let (scene, view) = (&self.group.scene.name, &self.group.view.name);
+        let (name, size) = (
+            file_stem(&[scene, view, "map"]),
+            [map.size.width, map.size.height],
+        );
+        let file = write_photo(self.folder, &name, size, &map.rgb)?;
+        Ok(self.map.get_or_init(|| file).clone())
     }
 
     /// How the frame differs from the reference; a fill in one colour is compared as a mask.

@@ -142,7 +142,7 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     assert_eq!(desk.read_text("run/index.html"), html);
     assert_eq!(desk.read_text("run/summary.csv"), summary);
     // By other limits, which a report of the same folder then keeps.
-    assert!(html.contains("Boundaries off by at most 1 px"), "{html}");
+    assert!(html.contains("Boundaries moved by at most 1 px"), "{html}");
     let limited = [
         "report",
         "run",
@@ -155,7 +155,7 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     desk.run_without_device(&["report", "run"]).succeeded();
     let limited = desk.read_text("run/index.html");
     for words in [
-        "Boundaries off by at most 0 px",
+        "Boundaries moved by at most 0 px",
         "none is within",
         "over --budget-ms",
     ] {

@@ -104,7 +104,7 @@ fn the_cheapest_within_the_tolerance_is_named_with_what_exactness_costs() {
     let usual = answer(&made(), Budget::default());
     starts(
         &usual,
-        "s, 2 views: vertex/levels: 12.0 ms over all views, 8.00",
+        "s, 2 views: vertex/levels: 12.0 ms for all views together, 8.00",
     );
     has(
         &usual,

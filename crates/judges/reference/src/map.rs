@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `render --style map`: a picture for people, by the reference's rays and inside test.
+//! A picture for people, by the reference's rays and inside test: what `render --style map` writes and reports show.
 //!
 //! Each pixel is the mean of [`SAMPLES_A_SIDE`]² rays against the surface as drawn. Where one hits, the surface at
 //! its full resolution gives height and slope. Heights are tints from sea level up. The light comes from the north-west
 //! at 45°, as on printed maps, in the tangent frame of each place. Colours are sRGB, 0 … 255, and mixed as encoded.
 
+use crate::{Locator, LocatorError, SurfaceTriangles};
 use glam::{DVec3, FloatExt};
 use rayon::prelude::*;
-use terrafill_contract::{FillInput, region_colour};
+use terrafill_contract::FillInput;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_reference::{Locator, LocatorError, SurfaceTriangles};
+use terrafill_scene::ImageSize;
 
 /// Samples of a pixel in each direction: borders have nine steps and more.
 const SAMPLES_A_SIDE: usize = 3;
@@ -45,7 +46,7 @@ const MARKER: DVec3 = DVec3::new(222.0, 30.0, 36.0);
 const WHITE: DVec3 = DVec3::splat(255.0);
 
 /// How much of a region's colour covers the ground.
-const REGION_OPACITY: f64 = 0.38;
+const REGION_OPACITY: f64 = 0.5;
 /// The same over water, whose blue hides more.
 const REGION_OPACITY_OVER_WATER: f64 = 0.65;
 /// The same where rock and snow are seen from near, from [`HIGH_GROUND_M`] on.
@@ -77,41 +78,64 @@ const INSET_SHARE: f64 = 0.3;
 /// Its distance from the picture's edges.
 const INSET_MARGIN_SHARE: f64 = 0.02;
 
-/// A picture and its inset's caption.
-pub(crate) struct MapPicture {
-    /// Row 0 at the top.
-    pub(crate) rgb: Vec<u8>,
-    /// What the inset shows.
-    pub(crate) inset: String,
+/// A view as a map shows it. No fill is compared with it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MapPicture {
+    /// Columns and rows.
+    pub size: ImageSize,
+    /// Three bytes a pixel, sRGB, row 0 at the top.
+    pub rgb: Vec<u8>,
+    /// What the inset shows, in words.
+    pub inset: String,
 }
 
-/// Draws a view, with a plan of its surroundings in the upper right corner.
-///
-/// # Errors
-/// [`LocatorError`] when a region leaves open what is inside it.
-pub(crate) fn draw(input: &FillInput) -> Result<MapPicture, LocatorError> {
-    let scene = &input.scene;
-    let map = MapView {
-        input,
-        surface: SurfaceTriangles::new(&input.surface),
-        locator: Locator::new(&scene.regions, scene.edge_rule, &scene.body)?,
-        eye: scene.body.ecef_to_geodetic(input.camera.eye_ecef),
-    };
-    let width = input.size.width as usize;
-    let mut rgb = vec![0; 3 * input.size.pixel_count()];
-    rgb.par_chunks_mut((3 * width * BAND_ROWS).max(1))
-        .enumerate()
-        .for_each(|(band, rgb)| map.draw_band(band * BAND_ROWS, rgb));
-    let half_width_m = map.inset_half_width_m();
-    map.draw_inset(half_width_m, &mut rgb);
-    let eye = map.eye;
-    let inset = format!(
-        "inset: north up, {:.1} km wide; its dot: the eye, longitude {:.4}, latitude {:.4}",
-        half_width_m / 500.0,
-        eye.longitude_rad.to_degrees(),
-        eye.latitude_rad.to_degrees(),
-    );
-    Ok(MapPicture { rgb, inset })
+impl MapPicture {
+    /// Draws a view, with a plan of its surroundings in the upper right corner.
+    ///
+    /// # Errors
+    /// [`LocatorError`] when a region leaves open what is inside it.
+    pub fn of(input: &FillInput) -> Result<Self, LocatorError> {
+        let scene = &input.scene;
+        let map = MapView {
+            input,
+            surface: SurfaceTriangles::new(&input.surface),
+            locator: Locator::new(&scene.regions, scene.edge_rule, &scene.body)?,
+            eye: scene.body.ecef_to_geodetic(input.camera.eye_ecef),
+        };
+        let width = input.size.width as usize;
+        let mut rgb = vec![0; 3 * input.size.pixel_count()];
+        rgb.par_chunks_mut((3 * width * BAND_ROWS).max(1))
+            .enumerate()
+            .for_each(|(band, rgb)| map.draw_band(band * BAND_ROWS, rgb));
+        let half_width_m = map.inset_half_width_m();
+        map.draw_inset(half_width_m, &mut rgb);
+        let eye = map.eye;
+        let inset = format!(
+            "inset: north up, {:.1} km wide; its dot: the eye, longitude {:.4}, latitude {:.4}",
+            half_width_m / 500.0,
+            eye.longitude_rad.to_degrees(),
+            eye.latitude_rad.to_degrees(),
+        );
+        Ok(Self {
+            size: input.size,
+            rgb,
+            inset,
+        })
+    }
+
+    /// The same at `longest_px` along its longer side at most.
+    ///
+    /// # Errors
+    /// As [`MapPicture::of`].
+    pub fn small(input: &FillInput, longest_px: u32) -> Result<Self, LocatorError> {
+        let ImageSize { width, height } = input.size;
+        let longest = width.max(height).max(longest_px);
+        let shrunk = |px: u32| (px * longest_px / longest).max(1);
+        Self::of(&FillInput {
+            size: ImageSize::new(shrunk(width), shrunk(height)),
+            ..input.clone()
+        })
+    }
 }
 
 struct MapView<'a> {
@@ -255,7 +279,7 @@ impl MapView<'_> {
                 let share = ((tinted_m - low) / (high - low)).clamp(0.0, 1.0);
                 REGION_OPACITY.lerp(REGION_OPACITY_ON_HIGH_GROUND, share)
             };
-            colour = colour.lerp(DVec3::from(region_colour(region).map(f64::from)), opacity);
+            colour = colour.lerp(region_colour(region), opacity);
         }
         // Water is level; what lies below it shines through.
         let relief = if is_water { 0.35 } else { 1.0 };
@@ -383,6 +407,13 @@ impl MapView<'_> {
             0.45 * colour
         }
     }
+}
+
+/// Colours between violet and rose, which neither land nor water nor rock has, light and dark by turns.
+fn region_colour(index: usize) -> DVec3 {
+    let share = (index as f64 * 0.618_033_988_749_895).fract();
+    let hue = DVec3::new(112.0, 40.0, 214.0).lerp(DVec3::new(232.0, 24.0, 108.0), share);
+    hue.lerp(WHITE, [0.0, 0.42, 0.2][index % 3])
 }
 
 fn tint(height_m: f64) -> DVec3 {
