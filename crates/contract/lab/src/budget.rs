@@ -66,7 +66,7 @@ impl<'a> Priced<'a> {
 
     fn described(&self) -> String {
         let error = match self.of.error_px {
-            Ok(px) if px <= 0.0 => "moves no boundary".to_owned(),
+            Ok(px) if px <= 0.0 => "moves no boundary on purpose".to_owned(),
             Ok(px) if self.of.is_approximate => format!(
                 "approximate, off by up to {} px here, which it does not promise elsewhere",
                 significant(px)
@@ -255,7 +255,7 @@ fn exactness(
         return String::new();
     }
     let Some(exact) = all.iter().find(|own| own.is_exact()) else {
-        return " No fill that moves no boundary was timed in every view.".to_owned();
+        return " No fill that moves no boundary on purpose was timed in every view.".to_owned();
     };
     let time = exact.over(cheapest);
     let time = time.map(|ratio| timings.ratio_text(&ratio));

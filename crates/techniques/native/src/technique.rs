@@ -57,7 +57,7 @@ impl Technique for NativeTechnique {
         &[
             (
                 "native",
-                "shadow volumes that geometry shaders make, by Vulkan itself in place of wgpu",
+                "shadow volumes that geometry shaders make, by Vulkan itself: wgpu, Metal and browsers have no such stage",
             ),
             (
                 "vs-control",

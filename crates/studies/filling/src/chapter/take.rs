@@ -233,20 +233,23 @@ fn held(best: &Ranked<'_>) -> String {
 /// How its pictures differ from the reference's.
 fn pictures(best: &Ranked<'_>) -> String {
     let differ = match best.most_of(MISMATCHED_PX) {
-        None => "how many pixels differ was not counted".to_owned(),
-        Some(0.0) => "none differs from the exact reference in any pixel".to_owned(),
+        None => "Pictures: how many pixels differ was not counted".to_owned(),
+        Some(0.0) => {
+            "Pictures are right: none differs from the exact reference in any pixel".to_owned()
+        }
         Some(px) => format!(
-            "at most {} pixels of one differ from the exact reference, all of them at boundaries",
+            "Pictures are right: at most {} pixels of one differ from the exact reference, each within a pixel of a \
+             boundary",
             digits(px)
         ),
     };
     let moved = best.moved_px().map_or_else(String::new, |px| {
         format!(
-            ". Its levels of detail moved boundaries by up to {} px on purpose, which counts as right",
+            ". Levels of detail moved boundaries by up to {} px on purpose",
             significant(px)
         )
     });
-    format!("Pictures: {differ}{moved}.")
+    format!("{differ}{moved}.")
 }
 
 /// Half the width of the times' 95 % intervals, as a share of the times: the median over views.
@@ -330,7 +333,8 @@ fn next(best: &Ranked<'_>, ranked: &[Ranked<'_>], ties: &[Ranked<'_>]) -> Option
 /// That a GPU may rank them otherwise, where none was measured.
 fn software(data: &Data<'_>) -> Option<String> {
     (data.run.environment.device_type == "cpu").then(|| {
-        "No GPU was measured: this device is software on the processor, and a GPU may rank fills otherwise.".to_owned()
+        "No GPU was measured: this device is software on the processor, its times are those of all threads together, and \
+         a GPU may rank fills otherwise.".to_owned()
     })
 }
 

@@ -1668,7 +1668,8 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
             "Take vertex/pulled: the fastest of its view, or tied. Of the fills that tie with it on average it has \
              the fewest bytes.",
             "at most 1.00 kB on the device in a view, all buffers and textures counted; geometry alone at most 1.00 kB.",
-            "Pictures: at most 5 pixels of one differ from the exact reference, all of them at boundaries.",
+            "Pictures are right: at most 5 pixels of one differ from the exact reference, each within a pixel of a \
+             boundary.",
             "How sure: times to ± ",
             " % (8 processes).",
             "As fast on average: vertex/doubled.",
@@ -1685,7 +1686,7 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
             "No fill is proven faster: on average the 3 that are right in every view differ by less than the same work \
              measured twice, which differed by up to ",
             "Take native/gs-line for the fewest bytes.",
-            "Pictures: none differs from the exact reference in any pixel.",
+            "Pictures are right: none differs from the exact reference in any pixel.",
         ],
     );
     // With quieter identical work the faster one is taken.
@@ -1707,7 +1708,7 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
     assert_says(
         &first(&run),
         &[
-            "Its levels of detail moved boundaries by up to 0.250 px on purpose, which counts as right.",
+            "Levels of detail moved boundaries by up to 0.250 px on purpose.",
             "How sure: unknown. 3 processes ran, and an interval takes 5. The same work measured twice differed by up to ",
             "Without moved boundaries the fastest is vertex/pulled: ",
             " × the time and 0.250 × the bytes of geometry.",
