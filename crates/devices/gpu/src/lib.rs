@@ -14,7 +14,9 @@ mod deliberate_error;
 mod direct;
 mod evaluate;
 mod fill;
+mod held_buffer;
 mod loaded;
+mod overlay;
 mod picture;
 mod queries;
 mod ray_cast;
@@ -47,6 +49,8 @@ pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
 };
 pub use fill::{VolumeFill, WgpuVolumes};
+pub use held_buffer::HeldBuffer;
+pub use overlay::{Overlay, OverlayBackend};
 pub use ray_cast::RayCast;
 pub use readback::{read_buffer, read_texture};
 pub use render_pipeline::{described, tested, vertex_layout};

@@ -5,14 +5,14 @@
 //! It depends on the surface as drawn: another view of a surface with levels of detail, or another
 //! eye, has to be cut anew. Corners are three floats from the eye and the region's place, 16 bytes.
 
-use crate::backend::Overlay;
-use crate::buffer::HeldBuffer;
 use crate::clip::Pieces;
 use terrafill_contract::{
     Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse, ViewId, count_u32,
 };
 use terrafill_core::nearest_f32;
-use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, described, tested, vertex_layout};
+use terrafill_gpu::{
+    COLOUR_FORMAT, Gpu, HeldBuffer, Overlay, RenderTargets, described, tested, vertex_layout,
+};
 use terrafill_variant::{SwitchError, Variant};
 
 /// Key of the share by which depth is greater than the surface's.

@@ -5,12 +5,11 @@
 //! 12 bytes a vertex in fixed point as the volumes' (`FixedPoint`), each stored once, and one list of
 //! indices, 16 bits where a region's vertices fit. Source: the "original fill" of Cozzi (2007, 2.1.1).
 
-use crate::backend::Overlay;
-use crate::buffer::HeldBuffer;
 use terrafill_contract::{Colours, Counters, DeviceError, FillInput, GeometryBytes, MemoryUse};
 use terrafill_core::{RegionMesh, VolumeHeights, index_u32};
 use terrafill_gpu::{
-    COLOUR_FORMAT, Gpu, RenderTargets, described, index_format, tested, vertex_layout,
+    COLOUR_FORMAT, Gpu, HeldBuffer, Overlay, RenderTargets, described, index_format, tested,
+    vertex_layout,
 };
 use terrafill_plan::PlannedRegion;
 use terrafill_stencil::{FixedPoint, IndexLists, PositionFormat, VolumeConstants, VolumePlace};

@@ -10,8 +10,6 @@
 //!
 //! Their pictures are approximate by nature: [`terrafill_contract::Technique::is_approximate`].
 
-mod backend;
-mod buffer;
 mod clip;
 mod draped;
 mod flat;

@@ -12,12 +12,12 @@
 //! differences from its middle, which keep their digits; in a wider one Bowring's formula (1976) has an
 //! error of metres, below a hundredth of a texel.
 
-use crate::backend::Overlay;
-use crate::buffer::HeldBuffer;
 use glam::{DMat3, DVec3};
 use terrafill_contract::{Colours, Counters, DeviceError, FillInput, MemoryUse, count_u32};
 use terrafill_core::{Ellipsoid, Extent, nearest_f32};
-use terrafill_gpu::{COLOUR_FORMAT, Gpu, RenderTargets, attached, described, vertex_layout};
+use terrafill_gpu::{
+    COLOUR_FORMAT, Gpu, HeldBuffer, Overlay, RenderTargets, attached, described, vertex_layout,
+};
 use terrafill_plan::LazyMesh;
 use terrafill_variant::{SwitchError, Variant};
 

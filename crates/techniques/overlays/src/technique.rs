@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques as the contract knows them.
 
-use crate::backend::OverlayBackend;
 use crate::draped::{self, DrapedMesh};
 use crate::flat::{self, FlatMesh, flat_bytes};
 use crate::mask::{self, MaskTexture};
 use terrafill_contract::{Api, GeometryBytes, OpenedBackend, Role, Targets, Technique};
 use terrafill_core::RegionMesh;
-use terrafill_gpu::{SharedTargets, shared_targets};
+use terrafill_gpu::{OverlayBackend, SharedTargets, shared_targets};
 use terrafill_scene::{Overlap, Scene};
 use terrafill_variant::{Parameter, SwitchError, Switches, Variant};
 

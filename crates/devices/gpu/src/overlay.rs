@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The backend of every overlay: one pass over the surface that the targets hold.
+//! Fills in one pass over the surface that the targets hold, without volumes and without stencil: the backend
+//! of each of them, which says what it draws by [`Overlay`].
 
+use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, attached, read_only_depth};
 use std::fmt::Debug;
 use terrafill_contract::{
     Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, FrameTimes,
     MemoryUse, Picture, Uploaded, ViewId, WorkDone,
 };
-use terrafill_gpu::{Gpu, RenderTargets, SharedTargets, TimedPass, attached, read_only_depth};
 
 /// Something drawn over a surface in one pass.
-pub(crate) trait Overlay: Sized + Debug {
+pub trait Overlay: Sized + Debug {
     /// Name of the technique in rows.
     const TECHNIQUE: &'static str;
     /// Whether its fragments read depth themselves, so that none is attached.
@@ -17,6 +18,9 @@ pub(crate) trait Overlay: Sized + Debug {
 
     /// Makes and uploads what `input` needs and is not there yet; a second call with the same input
     /// and colours makes and writes nothing.
+    ///
+    /// # Errors
+    /// [`DeviceError`] when the device or the overlay cannot hold or draw it.
     fn load(
         &mut self,
         targets: &RenderTargets,
@@ -33,7 +37,7 @@ pub(crate) trait Overlay: Sized + Debug {
 
 /// Draws an overlay.
 #[derive(Debug)]
-pub(crate) struct OverlayBackend<O> {
+pub struct OverlayBackend<O> {
     targets: SharedTargets,
     overlay: O,
     /// Revision of the meshes and the view that it was loaded for.
@@ -43,13 +47,21 @@ pub(crate) struct OverlayBackend<O> {
 }
 
 impl<O: Overlay> OverlayBackend<O> {
-    pub(crate) fn new(targets: &SharedTargets, overlay: O) -> Self {
+    /// Draws `overlay` into `targets`; nothing is loaded yet.
+    #[must_use]
+    pub fn new(targets: &SharedTargets, overlay: O) -> Self {
         Self {
             targets: SharedTargets::clone(targets),
             overlay,
             loaded: None,
             work: WorkDone::default(),
         }
+    }
+
+    /// What it draws, to be changed.
+    #[must_use]
+    pub fn overlay_mut(&mut self) -> &mut O {
+        &mut self.overlay
     }
 
     fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {

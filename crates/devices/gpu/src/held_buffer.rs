@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A buffer that is written only where its bytes change.
 
+use crate::Gpu;
 use terrafill_contract::DeviceError;
-use terrafill_gpu::Gpu;
 
 /// A buffer and what it holds.
 #[derive(Debug, Default)]
-pub(crate) struct HeldBuffer {
+pub struct HeldBuffer {
     bytes: Vec<u8>,
     buffer: Option<wgpu::Buffer>,
 }
@@ -16,7 +16,7 @@ impl HeldBuffer {
     ///
     /// # Errors
     /// As [`Gpu::upload`].
-    pub(crate) fn hold(
+    pub fn hold(
         &mut self,
         gpu: &Gpu,
         label: &str,
@@ -38,12 +38,14 @@ impl HeldBuffer {
     }
 
     /// `None` before anything is held.
-    pub(crate) fn buffer(&self) -> Option<&wgpu::Buffer> {
+    #[must_use]
+    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
         self.buffer.as_ref()
     }
 
     /// Bytes held.
-    pub(crate) fn size(&self) -> u64 {
+    #[must_use]
+    pub fn size(&self) -> u64 {
         self.bytes.len() as u64
     }
 }
