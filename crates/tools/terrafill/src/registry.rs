@@ -419,10 +419,9 @@ mod tests {
 
     #[test]
     fn without_a_stencil_there_is_no_ablation_and_every_variant_is_approximate() {
-        let without = TECHNIQUES.iter().filter(|t| !t.has_stencil_switches());
-        let mut names = Vec::new();
-        for technique in without {
-            names.push(technique.name());
+        let mut without = 0;
+        for technique in TECHNIQUES.iter().filter(|t| !t.has_stencil_switches()) {
+            without += 1;
             for overlap in OVERLAPS {
                 let main = technique.main(overlap);
                 assert!(technique.ablation(overlap).is_empty());
@@ -430,8 +429,8 @@ mod tests {
                 assert_eq!(matrix_row(*technique, &main, overlap).len(), 5);
             }
         }
-        assert_eq!(names, ["flat-mesh", "draped-mesh", "mask-texture"]);
-        // Negative control: volumes have to be right.
+        // Negative controls: there are techniques of both kinds, and volumes have to be right.
+        assert!(without > 0 && without < TECHNIQUES.len(), "{without}");
         let volumes = |t: &&dyn Technique| t.is_approximate(&t.main(Overlap::Disjoint));
         assert!(!by_stencil().any(volumes));
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `mesh`: the keys of its JSON, areas against closed forms, and everything a file may look like.
 
-use crate::harness::{BOW_TIE, Desk, collection, polygon, rectangle};
+use crate::harness::{BOW_TIE, Desk, collection, polygon, rectangle, techniques};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use terrafill_fixtures::data;
@@ -85,6 +85,7 @@ const TOTAL_KEYS: [&str; 9] = [
     "bytes",
     "shared_bytes",
 ];
+/// Layouts that scripts read; another technique may add its own.
 const LAYOUTS: [&str; 17] = [
     "vertex/doubled",
     "vertex/separate",
@@ -104,6 +105,22 @@ const LAYOUTS: [&str; 17] = [
     "native/gs-per-triangle",
     "flat-mesh/flat",
 ];
+
+/// Whether every layout that was promised is there, and every other is one of a technique of the program.
+fn check_layouts(found: &BTreeSet<&str>) -> Result<(), String> {
+    if let Some(missing) = LAYOUTS.iter().find(|layout| !found.contains(**layout)) {
+        return Err(format!("no {missing}"));
+    }
+    let techniques = techniques();
+    let is_known = |layout: &str| {
+        let technique = layout.split('/').next();
+        techniques.iter().any(|own| technique == Some(own))
+    };
+    match found.iter().find(|layout| !is_known(layout)) {
+        Some(unknown) => Err(format!("{unknown} is no technique's")),
+        None => Ok(()),
+    }
+}
 
 /// Whether every layout's total is the sum of the regions' bytes, none of which is 0.
 fn check_bytes(json: &Value) -> Result<(), String> {
@@ -149,7 +166,7 @@ fn the_json_has_the_promised_keys_and_no_others() {
         assert_eq!(keys(region), BTreeSet::from(REGION_KEYS));
         assert_eq!(region["index"], index);
         assert_eq!(region["name"], squares[index].0);
-        assert_eq!(keys(&region["bytes"]), BTreeSet::from(LAYOUTS));
+        assert_eq!(check_layouts(&keys(&region["bytes"])), Ok(()));
     }
     assert_eq!(
         regions[0]["extent_deg"],
@@ -557,7 +574,13 @@ fn a_total_that_is_no_sum_and_a_layout_that_is_missing_are_noticed() {
         let mut missing = json.clone();
         missing["regions"][0]["bytes"][layout] = Value::Null;
         assert!(check_bytes(&missing).is_err(), "{layout}");
+        let mut found = keys(&json["regions"][0]["bytes"]);
+        assert!(found.remove(layout));
+        assert!(check_layouts(&found).is_err(), "{layout}");
     }
+    let mut found = keys(&json["regions"][0]["bytes"]);
+    found.insert("vertexes/doubled");
+    assert!(check_layouts(&found).is_err(), "no technique is called so");
 }
 
 #[test]
