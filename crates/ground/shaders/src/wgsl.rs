@@ -130,10 +130,11 @@ pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError>
 const DRAWN_ALONE: &str = "globes/";
 
 /// What not every device has: a module that numbers primitives or indexes arrays of textures says so, and its device
-/// is asked first.
+/// is asked first. Half floats that are unpacked are in WGSL itself.
 fn capabilities() -> Capabilities {
     Capabilities::PRIMITIVE_INDEX
         | Capabilities::RAY_QUERY
+        | Capabilities::SHADER_FLOAT16_IN_FLOAT32
         | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
         | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
 }
