@@ -32,6 +32,7 @@ pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
     &FLAT_MESH,
     &DRAPED_MESH,
     &MASK_TEXTURE,
+    &terrafill_edge_scan::EdgeScanTechnique,
 ];
 
 /// Surfaces that scenes can name.
