@@ -9,8 +9,9 @@ use terrafill_conformance::MAX_HAUSDORFF_PX;
 use terrafill_results::{Block, Case};
 
 const TEXT: &str = "What one would take instead of volumes: the region's triangles at one height (flat-mesh; the \
-    “original fill” of 2007), the region cut on the CPU along the surface's triangles as drawn (draped-mesh), and all \
-    regions drawn into a texture over longitude and latitude, by its size (mask-texture). Their pictures differ from \
+    “original fill” of 2007), the region cut on the CPU along the surface's triangles as drawn (draped-mesh), all \
+    regions drawn into a texture over longitude and latitude, by its size (mask-texture), and every pixel tested \
+    against the edges of the regions around it (edge-scan). Their pictures differ from \
     the reference by nature: they never count as right, and compete with none. Time and error of each are in the \
     tables and plots of its views.";
 
