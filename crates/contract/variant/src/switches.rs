@@ -177,6 +177,8 @@ pub struct Switches {
     pub holds_drawn_meshes: bool,
     /// What takes the stencil back to 0.
     pub stencil_clear: StencilClear,
+    /// So many high bits of the stencil are never marked: an engine keeps something of its own there.
+    pub kept_stencil_bits: u8,
     /// Every frame copies the surface's depth before it fills, as a fill must where depth cannot be read
     /// while it is attached. Nothing reads the copy: what it costs is the question.
     pub copies_depth: bool,
@@ -191,6 +193,9 @@ pub struct Switches {
     /// The vertex stage bends discs into the footprints of sensors' cones, for scenes that have some.
     pub bends_footprints: bool,
 }
+
+/// What every stencil buffer of today has.
+const STENCIL_BITS: u8 = 8;
 
 /// Every switch of a fill, in the order of names such as `texture-code=loaded,texture=chosen`.
 const TABLE: &[Switch<Switches>] = &[
@@ -255,6 +260,19 @@ const TABLE: &[Switch<Switches>] = &[
     },
     one_of!("scissor", scissor: ["covers" => false, "volumes" => true],
         "what is cut to regions' screen rectangles: covers, or volumes too"),
+    Switch {
+        key: "stencil-bits",
+        values: Values::OneOf(&["1", "2", "3", "4", "5", "6", "7", "8"]),
+        meaning: "how many bits of the stencil marks may use, where an engine keeps the others for itself",
+        get: |of| of.stencil_bits().to_string(),
+        set: |of, value| {
+            let bits: u8 = value.parse().ok()?;
+            of.kept_stencil_bits = STENCIL_BITS
+                .checked_sub(bits)
+                .filter(|kept| *kept < STENCIL_BITS)?;
+            Some(())
+        },
+    },
     one_of!("stencil-clear", stencil_clear: [
         "at-start" => StencilClear::AtStart,
         "by-colour" => StencilClear::ByColour,
@@ -295,6 +313,12 @@ impl Switches {
             },
             ..Self::default()
         }
+    }
+
+    /// Bits that marks may use, from the lowest on: 1 to 8.
+    #[must_use]
+    pub fn stencil_bits(&self) -> u8 {
+        STENCIL_BITS.saturating_sub(self.kept_stencil_bits).max(1)
     }
 
     /// Every switch with its value, in alphabetical order.
@@ -404,6 +428,13 @@ impl Switches {
             let allowed = "stencil, or colour=one-colour or one-colour-volumes";
             return refuse("first-pass", &found, allowed);
         }
+        if self.kept_stencil_bits > 0 && !covers_apart {
+            let found = format!(
+                "{} with colour={colour}, which counts in all bits or in none",
+                self.stencil_bits()
+            );
+            return refuse("stencil-bits", &found, "8, or colour=xor or bit-planes");
+        }
         let covers_clear = matches!(
             self.colour,
             ColourWay::OneColour | ColourWay::Rectangle | ColourWay::Volume
@@ -437,6 +468,7 @@ mod tests {
             cover_area: CoverArea::Screen,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
+            kept_stencil_bits: 5,
             copies_depth: true,
             loads_texture: true,
             texture: Some(RouteChoice::Chosen),
@@ -451,7 +483,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 17);
+        assert_eq!(names.len(), TABLE.len());
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -482,9 +514,15 @@ mod tests {
             position: None,
             superfluous_normalize: false,
             merges_draws: false,
+            kept_stencil_bits: 0,
             ..all_changed()
         };
         assert!(plain.check(Overlap::Ordered).is_ok());
+        let kept = Switches {
+            kept_stencil_bits: 1,
+            ..plain
+        };
+        assert!(kept.check(Overlap::Ordered).is_err());
         // Nothing is loaded for nothing that is needed anyway, and shared numbers need rectangles.
         let both = Switches {
             loads_texture: true,

@@ -12,9 +12,6 @@
 use crate::Volume;
 use terrafill_plan::PixelRect;
 
-/// Numbers an 8-bit stencil can tell apart from "no volume".
-pub(crate) const XOR_NUMBERS: usize = 255;
-
 /// Passes → classes → indices into the list.
 pub(crate) type Batches = Vec<Vec<Vec<usize>>>;
 
@@ -24,10 +21,10 @@ fn is_free(volumes: &[Volume], class: &[usize], rect: PixelRect) -> bool {
         .all(|&other| !volumes[other].screen_rect.overlaps(rect))
 }
 
-/// Volumes by number less 1, in passes of at most [`XOR_NUMBERS`] numbers, each of which clears the stencil: a greedy
+/// Volumes by number less 1, in passes of at most so many numbers, each of which clears the stencil: a greedy
 /// colouring of the rectangles' overlap graph, in their order.
 #[must_use]
-pub(crate) fn xor_batches(volumes: &[Volume]) -> Batches {
+pub(crate) fn xor_batches(volumes: &[Volume], numbers: u8) -> Batches {
     let mut classes: Vec<Vec<usize>> = Vec::new();
     for (index, volume) in volumes.iter().enumerate() {
         let free = classes
@@ -38,7 +35,7 @@ pub(crate) fn xor_batches(volumes: &[Volume]) -> Batches {
             None => classes.push(vec![index]),
         }
     }
-    let passes = classes.chunks(XOR_NUMBERS);
+    let passes = classes.chunks(usize::from(numbers.max(1)));
     passes.map(<[Vec<usize>]>::to_vec).collect()
 }
 
@@ -111,16 +108,18 @@ mod tests {
     #[test]
     fn overlapping_rectangles_get_different_numbers() {
         let volumes = [volume(0, 10), volume(5, 15), volume(10, 20), volume(30, 40)];
-        assert_eq!(xor_batches(&volumes), [[vec![0, 2, 3], vec![1]]]);
+        assert_eq!(xor_batches(&volumes, 255), [[vec![0, 2, 3], vec![1]]]);
     }
 
     #[test]
     fn more_numbers_than_the_stencil_has_take_another_pass() {
-        let volumes = vec![volume(0, 10); XOR_NUMBERS + 3];
-        let passes = xor_batches(&volumes);
-        let sizes: Vec<_> = passes.iter().map(Vec::len).collect();
-        assert_eq!(sizes, [XOR_NUMBERS, 3]);
-        assert_eq!(passes.iter().flatten().flatten().count(), volumes.len());
+        for numbers in [255, 3] {
+            let volumes = vec![volume(0, 10); usize::from(numbers) + 3];
+            let passes = xor_batches(&volumes, numbers);
+            let sizes: Vec<_> = passes.iter().map(Vec::len).collect();
+            assert_eq!(sizes, [usize::from(numbers), 3]);
+            assert_eq!(passes.iter().flatten().flatten().count(), volumes.len());
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use terrafill_variant::{
 /// effect or is not allowed alone, the one that it needs.
 #[must_use]
 pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -> Vec<Variant> {
-    let changes: [fn(&mut Switches); 8] = [
+    let changes: [fn(&mut Switches); 9] = [
         |s| {
             s.colour = ColourWay::Volume;
             s.cover_culls_faces = true;
@@ -32,6 +32,7 @@ pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -
             s.bottom_cap = BottomCap::WhereNeeded;
         },
         |s| s.scissor = true,
+        |s| s.kept_stencil_bits = 6,
         |s| {
             s.colour = ColourWay::Rectangle;
             s.stencil_clear = StencilClear::ByColour;

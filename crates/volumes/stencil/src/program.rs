@@ -495,7 +495,8 @@ impl Builder<'_> {
 
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for classes in xor_batches(self.volumes) {
+        let numbers = u8::MAX >> (u8::BITS - u32::from(self.switches.stencil_bits()));
+        for classes in xor_batches(self.volumes, numbers) {
             let numbered = || (1..=u8::MAX).zip(&classes);
             // Bits that no number has stay 0 and are not looked at.
             let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
@@ -525,7 +526,7 @@ impl Builder<'_> {
 
     fn bit_planes(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for planes in ordered_batches(self.volumes, 8) {
+        for planes in ordered_batches(self.volumes, usize::from(self.switches.stencil_bits())) {
             let bit = |plane: usize| 1_u8 << plane;
             let marks = planes.iter().enumerate().flat_map(|(plane, volumes)| {
                 self.mark(volumes, StencilOperation::Invert { mask: bit(plane) })

@@ -105,7 +105,7 @@ fn culling_changes_no_pixel() {
 }
 
 /// Every key of a variant with all its values that may be verified; `zpass` has a test of its own.
-const KEYS: [(&str, &[&str]); 11] = [
+const KEYS: [(&str, &[&str]); 12] = [
     ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
     (
         "colour",
@@ -127,11 +127,12 @@ const KEYS: [(&str, &[&str]); 11] = [
     ("bottom-cap", &["always", "where-needed"]),
     ("scissor", &["covers", "volumes"]),
     ("cover-faces", &["both", "culled"]),
+    ("stencil-bits", &["8", "1"]),
     ("stencil-clear", &["at-start", "by-colour"]),
 ];
 
 /// Values of all keys, numbered through.
-const VALUES: usize = 29;
+const VALUES: usize = 31;
 
 /// Every two values of a row, as one number.
 fn pairs(row: &[usize]) -> Vec<usize> {

@@ -116,6 +116,36 @@ fn whatever_the_switches_each_face_marks_once_and_each_region_is_covered_once() 
 }
 
 #[test]
+fn bits_that_an_engine_keeps_are_neither_marked_nor_read() {
+    let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
+    // All five lie over each other: 3 numbers or 2 planes a pass.
+    for (colour, passes) in [(ColourWay::Xor, 2), (ColourWay::BitPlanes, 3)] {
+        let bits_of = |kept_stencil_bits| {
+            let switches = Switches {
+                colour,
+                kept_stencil_bits,
+                ..Switches::default()
+            };
+            let program = disjoint(&many, &switches);
+            let bits = program.commands().map(|command| match command {
+                FillCommand::Volumes { rule, .. } => match rule.operation {
+                    StencilOperation::Invert { mask } => mask,
+                    other => panic!("{other:?}"),
+                },
+                FillCommand::Cover { test, .. } => test.read_mask,
+                other => panic!("{other:?}"),
+            });
+            let used = bits.fold(0, |all, bits| all | bits);
+            (used, program.passes.len())
+        };
+        assert_eq!(bits_of(6), (0b11, 2 * passes), "{colour:?}");
+        // Negative control: with all bits one pass of each kind does, by more than two bits.
+        let (used, all) = bits_of(0);
+        assert!(used > 0b11 && all == 2, "{colour:?}");
+    }
+}
+
+#[test]
 fn covers_look_at_no_more_bits_than_numbers_have() {
     let switches = Switches::default();
     let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
