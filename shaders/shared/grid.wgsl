@@ -1,5 +1,7 @@
 // A grid of heights, every triangle of which has a number: cell by cell in rows, the half at the cell's
 // first corner before the other. Cells are cut from (column + 1, row) to (column, row + 1).
+#import shared/triangles.wgsl
+
 struct GridConstants {
     // Columns of the matrix from (column, row, height in m, 1) to clip space.
     column: vec4<f32>,
@@ -28,15 +30,4 @@ fn clip_at(vertex: vec2<u32>) -> vec4<f32> {
 // From 1, since 0 is what is not drawn.
 fn triangle_number(cell: vec2<u32>, half: u32) -> u32 {
     return 2u * (cell.y * grid.cells + cell.x) + half + 1u;
-}
-
-fn colour_of(number: u32) -> vec4<f32> {
-    return unpack4x8unorm(number | 0xff000000u);
-}
-
-// Corner of a cell as the six vertices of its two triangles.
-fn corner(vertex: u32) -> vec2<u32> {
-    let x = (0x2au >> vertex) & 1u;
-    let y = (0x1cu >> vertex) & 1u;
-    return vec2<u32>(x, y);
 }

@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Endings of shader sources.
-const SOURCES: [&str; 7] = ["wgsl", "glsl", "geom", "task", "mesh", "vert", "frag"];
+const SOURCES: [&str; 9] = [
+    "wgsl", "glsl", "geom", "tesc", "tese", "task", "mesh", "vert", "frag",
+];
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {

@@ -299,6 +299,7 @@ impl Gpu {
             // Every driver has it, and wgpu asks for it too.
             .robust_buffer_access(true)
             .geometry_shader(own.geometry_shader)
+            .tessellation_shader(own.tessellation)
             .pipeline_statistics_query(own.pipeline_statistics)
             .occlusion_query_precise(own.occlusion_query_precise)
             .depth_bounds(own.depth_bounds)

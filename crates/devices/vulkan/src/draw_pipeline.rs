@@ -67,6 +67,15 @@ pub enum PrimitiveStages {
         /// How they become primitives.
         topology: Topology,
     },
+    /// A vertex shader of numbered corners, one a patch, and compiled shaders that divide patches.
+    Divided {
+        /// WGSL.
+        vertex: Shader,
+        /// How often a patch is divided, by the name of its SPIR-V.
+        control: &'static str,
+        /// Places each vertex of what that gave.
+        evaluation: &'static str,
+    },
     /// Compiled mesh shaders, by their names.
     Mesh {
         /// Starts workgroups of the other, where there is one.
@@ -118,6 +127,27 @@ impl DrawPipeline {
                 }
                 (format, topology)
             }
+            PrimitiveStages::Divided {
+                vertex,
+                control,
+                evaluation,
+            } => {
+                gpu.require(gpu.facts.features.tessellation, "tessellationShader")?;
+                shaders.extend([
+                    (vk::ShaderStageFlags::VERTEX, vertex, SpirvStage::Vertex),
+                    (
+                        vk::ShaderStageFlags::TESSELLATION_CONTROL,
+                        Shader::Compiled(control),
+                        SpirvStage::Vertex,
+                    ),
+                    (
+                        vk::ShaderStageFlags::TESSELLATION_EVALUATION,
+                        Shader::Compiled(evaluation),
+                        SpirvStage::Vertex,
+                    ),
+                ]);
+                (VertexFormat::Number, Topology::Patches(1))
+            }
             PrimitiveStages::Mesh { task, mesh } => {
                 gpu.require(gpu.mesh.is_some(), "VK_EXT_mesh_shader")?;
                 if let Some(task) = task {
@@ -165,7 +195,7 @@ impl DrawPipeline {
     pub(crate) fn needs_vertices(&self) -> bool {
         match self.stages {
             PrimitiveStages::Vertices { format, .. } => format != VertexFormat::Number,
-            PrimitiveStages::Mesh { .. } => false,
+            PrimitiveStages::Divided { .. } | PrimitiveStages::Mesh { .. } => false,
         }
     }
 }

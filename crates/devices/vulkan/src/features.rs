@@ -10,6 +10,8 @@ use std::ffi::{CStr, c_char};
 pub struct Features {
     /// Geometry shaders.
     pub geometry_shader: bool,
+    /// Shaders that divide patches.
+    pub tessellation: bool,
     /// Pipeline statistics queries.
     pub pipeline_statistics: bool,
     /// Occlusion queries that count samples.
@@ -132,6 +134,7 @@ impl Physical<'_> {
         let (first, second) = (vk::API_VERSION_1_1, vk::API_VERSION_1_2);
         let mut found = Features {
             geometry_shader: is(plain.geometry_shader),
+            tessellation: is(plain.tessellation_shader),
             pipeline_statistics: is(plain.pipeline_statistics_query),
             occlusion_query_precise: is(plain.occlusion_query_precise),
             depth_bounds: is(plain.depth_bounds),

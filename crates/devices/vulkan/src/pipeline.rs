@@ -78,6 +78,8 @@ pub enum Topology {
     StripsWithAdjacency,
     /// Four each: two ends, before and behind them those of what is next to the line.
     LinesWithAdjacency,
+    /// So many each, for stages that divide patches.
+    Patches(u32),
 }
 
 impl Topology {
@@ -92,6 +94,7 @@ impl Topology {
             Self::TrianglesWithAdjacency => (Named::TRIANGLE_LIST_WITH_ADJACENCY, false),
             Self::StripsWithAdjacency => (Named::TRIANGLE_STRIP_WITH_ADJACENCY, true),
             Self::LinesWithAdjacency => (Named::LINE_LIST_WITH_ADJACENCY, false),
+            Self::Patches(_) => (Named::PATCH_LIST, false),
         }
     }
 }
@@ -455,6 +458,12 @@ impl Assembly<'_> {
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(topology)
             .primitive_restart_enable(restarts);
+        let corners = match self.topology {
+            Topology::Patches(corners) => corners,
+            _ => 0,
+        };
+        let patches =
+            vk::PipelineTessellationStateCreateInfo::default().patch_control_points(corners);
         let viewport = vk::PipelineViewportStateCreateInfo::default()
             .viewport_count(1)
             .scissor_count(1);
@@ -499,6 +508,10 @@ impl Assembly<'_> {
             .layout(self.layout)
             .render_pass(self.render_pass)
             .subpass(0);
+        let info = match corners {
+            0 => info,
+            _ => info.tessellation_state(&patches),
+        };
         // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
         // the tests with the validation layer on hold down.
         unsafe { graphics(gpu, &info) }

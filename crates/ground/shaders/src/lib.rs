@@ -57,9 +57,11 @@ mod tests {
                 if path.is_dir() {
                     folders.push(path);
                 } else if path.extension().is_some_and(|extension| {
-                    ["wgsl", "glsl", "geom", "task", "mesh", "vert", "frag"]
-                        .iter()
-                        .any(|e| extension == *e)
+                    [
+                        "wgsl", "glsl", "geom", "tesc", "tese", "task", "mesh", "vert", "frag",
+                    ]
+                    .iter()
+                    .any(|e| extension == *e)
                 }) {
                     let relative = path.strip_prefix(&root).expect("below the root");
                     found.push(relative.to_string_lossy().into_owned());

@@ -201,6 +201,8 @@ const GEOMETRY_SHARED: &[&str] = &[
     "native/grid.glsl",
     "native/ground.glsl",
     "native/lights.glsl",
+    "native/mesh.glsl",
+    "native/bezier.glsl",
     "casters/sides.glsl",
 ];
 
@@ -215,6 +217,10 @@ pub fn geometry_shaders() -> &'static [GeometryShader] {
 pub enum GlslStage {
     /// Geometry shader.
     Geometry,
+    /// Says how often a patch is divided.
+    TessControl,
+    /// Places what dividing a patch gave.
+    TessEvaluation,
     /// Task shader.
     Task,
     /// Mesh shader.
@@ -233,6 +239,8 @@ impl GlslStage {
     pub fn compiled_for(self) -> (&'static str, &'static str) {
         match self {
             Self::Geometry => ("geom", "vulkan1.1"),
+            Self::TessControl => ("tesc", "vulkan1.1"),
+            Self::TessEvaluation => ("tese", "vulkan1.1"),
             // Task and mesh shaders need SPIR-V 1.4.
             Self::Task => ("task", "vulkan1.2"),
             Self::Mesh => ("mesh", "vulkan1.2"),
@@ -294,6 +302,10 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["INVOCATIONS=16"];
     "native/lights.geom", "native/listed.copied.spv", Geometry, ["LISTED", "COPIES=64"];
     "native/lights.geom", "native/listed.invoked32.spv", Geometry, ["LISTED", "INVOCATIONS=32"];
+    "native/bezier.geom", "native/bezier.patch.spv", Geometry, [];
+    "native/bezier.geom", "native/bezier.row.spv", Geometry, ["PER_ROW"];
+    "native/bezier.tesc", "native/bezier.tesc.spv", TessControl, [];
+    "native/bezier.tese", "native/bezier.tese.spv", TessEvaluation, [];
     "native/balls.vert", "native/balls.spv", Capture, [];
     "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
     "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
@@ -439,7 +451,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 29);
+        assert_eq!(all.len(), 33);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

@@ -8,6 +8,7 @@ mod grids;
 mod kit;
 mod layered;
 mod lights;
+mod meshes;
 mod published;
 
 use crate::cache::Keep;
@@ -35,6 +36,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         culling::FLIGHT,
         cache::SECTION,
         lights::SECTION,
+        meshes::PATCHES,
         layered::JUDGED,
         layered::TERRACES,
         layered::ROUGH,
@@ -49,6 +51,7 @@ fn answers(cases: &Cases<'_>) -> Answers {
     sentences.extend(culling::recommended(cases));
     sentences.extend(cache::recommended(cases));
     sentences.extend(lights::recommended(cases));
+    sentences.extend(meshes::recommended(cases));
     sentences.extend(layered::recommended(cases));
     let blocks = (!sentences.is_empty()).then_some(Block::List(sentences));
     Answers {
@@ -86,6 +89,7 @@ fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
     findings.extend(culling::requirements(cases));
     findings.extend(cache::requirement(cases));
     findings.extend(lights::requirement(cases));
+    findings.extend(meshes::requirements(cases));
     findings.extend(layered::requirements(cases));
     findings
 }

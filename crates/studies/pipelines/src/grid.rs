@@ -5,7 +5,7 @@
 //! that every size shows the same ground.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;
 
 /// A side of the square of ground.
@@ -78,15 +78,39 @@ pub(crate) struct GridCamera {
 
 impl GridCamera {
     pub(crate) fn new() -> Self {
-        let forward = (TARGET - EYE).normalize();
+        Self::looking(EYE, TARGET, TAN_HALF_VIEW)
+    }
+
+    /// From an eye to a target that is not straight above or below it, z up.
+    pub(crate) fn looking(eye: DVec3, target: DVec3, tan_half: f64) -> Self {
+        let forward = (target - eye).normalize();
         let right = forward.cross(DVec3::Z).normalize();
         Self {
-            eye: EYE,
+            eye,
             right,
             up: right.cross(forward),
             forward,
-            tan_half: TAN_HALF_VIEW,
+            tan_half,
         }
+    }
+
+    /// Of the ray through a place of a picture of this size; its part along the view's axis is 1.
+    pub(crate) fn direction(&self, at_px: DVec2, size: [u32; 2]) -> DVec3 {
+        let [width, height] = size.map(f64::from);
+        let across = self.tan_half * (2.0 * at_px.x / width - 1.0);
+        let upwards = self.tan_half * (1.0 - 2.0 * at_px.y / height);
+        self.forward + self.right * across + self.up * upwards
+    }
+
+    /// A place on a picture of this size, pixels, and its distance along the view's axis.
+    pub(crate) fn project(&self, place: DVec3, size: [u32; 2]) -> (DVec2, f64) {
+        let from_eye = place - self.eye;
+        let away = from_eye.dot(self.forward);
+        let [width, height] = size.map(f64::from);
+        let across = from_eye.dot(self.right) / (away * self.tan_half);
+        let upwards = from_eye.dot(self.up) / (away * self.tan_half);
+        let at = DVec2::new(0.5 * width * (1.0 + across), 0.5 * height * (1.0 - upwards));
+        (at, away)
     }
 
     /// Clip space from metres, reversed depth with the far plane at infinity.

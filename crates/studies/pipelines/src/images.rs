@@ -27,8 +27,8 @@ pub(crate) fn size_px(size: ImageSize) -> (ConditionKey, String) {
 }
 
 /// Red of a pixel that shows what it may not.
-const WRONG: [u8; 3] = [230, 30, 30];
-const SKY: [u8; 3] = [205, 225, 240];
+pub(crate) const WRONG: [u8; 3] = [230, 30, 30];
+pub(crate) const SKY: [u8; 3] = [205, 225, 240];
 
 /// Colour of a triangle of a grid with so many cells a side.
 fn of_triangle(number: u32, cells: u32) -> [u8; 3] {

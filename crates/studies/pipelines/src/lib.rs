@@ -19,6 +19,7 @@ mod grid;
 mod images;
 mod layered;
 mod lights;
+mod meshes;
 mod metrics;
 #[cfg(test)]
 mod numbers;

@@ -17,6 +17,7 @@ terrafill_results::conditions! {
     KEPT_IN = "kept_in", "where blocks are kept: in an array of textures, or in a texture each";
     LAYERS = "layers", "pictures of moments that are laid over each other";
     LAYERS_BY = "layers_by", "what sends triangles to a layer: a pass each, or a stage of one pass";
+    LEVEL = "level", "how often a side of a patch is divided";
     LIGHTS = "lights", "how many lights cast shadows";
     MAP_TEXELS = "map_texels", "texels along a side of a map";
     MOMENTS = "moments", "which moments layers show: the middle or the end of their part of the time, or random ones";
@@ -37,6 +38,10 @@ terrafill_results::conditions! {
     "indexed-patch" = "instances of one indexed patch";
     "compute-indirect" = "compute places every vertex, and says how many are drawn";
     "mesh-shader" = "a mesh shader makes the triangles";
+    "geometry-patch" = "an invocation of a geometry shader divides a patch";
+    "geometry-row" = "an invocation of a geometry shader makes a row of a patch's cells";
+    "compute-buffer" = "compute places every vertex of a patch once";
+    "tessellation" = "the tessellation stages divide a patch";
     "tiles-alone" = "no patch is left out: all of the tiles in view are drawn";
     "compute" = "compute makes the list of patches, and says how many are drawn";
     "none" = "without a test";
@@ -134,6 +139,21 @@ terrafill_results::metrics! {
         "",
         Kind::DriverCounter,
         "Primitives that reached clipping, as the device counted them.",
+    );
+    SURFACE_ERROR_MAX_M = Metric::error(
+        "surface_error_max_m",
+        "m",
+        "Largest distance of the drawn triangles from the surface that they stand for, at seven \
+         places of each; f64.",
+    );
+    SURFACE_ERROR_RMS_M = Metric::error(
+        "surface_error_rms_m",
+        "m",
+        "Root mean square of those distances.",
+    );
+    SURFACE_ERROR_PX = Metric::error_px(
+        "surface_error_px",
+        "The largest of those distances as it is seen, were it across the view.",
     );
     CULL_TILES = Metric::counter(
         "cull_tiles",

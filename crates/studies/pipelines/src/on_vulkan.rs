@@ -61,8 +61,10 @@ pub(crate) fn heights(gpu: &Arc<Gpu>, grid: &Grid) -> Result<Arc<SampledImage>, 
 }
 
 /// What is drawn.
-enum Call {
+pub(crate) enum Call {
     Ranges(Vec<Range<u32>>),
+    /// Behind a dispatch that places vertices.
+    Placed(Vec<Range<u32>>, ComputePipeline, u32),
     Patches(Buffer, u32),
     Indirect(Arc<Buffer>, ComputePipeline, u32),
     Groups(u32),
@@ -139,6 +141,22 @@ impl OnVulkan {
         })
     }
 
+    /// Whatever is drawn of vertices that are not sent.
+    pub(crate) fn with(
+        gpu: &Arc<Gpu>,
+        pipeline: DrawPipeline,
+        call: Call,
+        size: ImageSize,
+    ) -> Result<Self, DeviceError> {
+        Ok(Self {
+            targets: RenderTargets::new(gpu, size)?,
+            pipeline,
+            vertices: None,
+            sent: None,
+            call,
+        })
+    }
+
     fn frame(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {
         if let (Some(buffer), Some(bytes)) = (&self.vertices, &self.sent) {
             buffer.stream(bytes)?;
@@ -146,6 +164,13 @@ impl OnVulkan {
         let mut dispatch = None;
         let call = match &self.call {
             Call::Ranges(ranges) => DrawCall::Vertices(ranges),
+            Call::Placed(ranges, compute, groups) => {
+                dispatch = Some(Dispatch {
+                    pipeline: compute,
+                    groups: [*groups, 1, 1],
+                });
+                DrawCall::Vertices(ranges)
+            }
             Call::Patches(indices, instances) => DrawCall::Indexed {
                 indices,
                 width: IndexWidth::Short,

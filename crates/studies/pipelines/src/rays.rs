@@ -9,12 +9,13 @@
 use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
 use terrafill_scene::ImageSize;
+use terrafill_study::Figures;
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
 pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
 /// Depths of points closer than this share are equal to `f32`: 2⁻²⁴ for the depth, a few times as much
 /// for the sums behind it.
-const EQUAL_DEPTH: f64 = 1e-6;
+pub(crate) const EQUAL_DEPTH: f64 = 1e-6;
 
 /// Bits of a number that a picture holds.
 const SHOWN: u32 = 0xff_ffff;
@@ -43,6 +44,15 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
+    /// What is counted of every picture.
+    pub(crate) fn figures(&self) -> Figures {
+        vec![
+            ("pipeline_mismatched_px", self.mismatched as f64),
+            ("pipeline_band_px", self.in_band as f64),
+            ("pipeline_shown_px", self.shown as f64),
+        ]
+    }
+
     pub(crate) fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
         self.shown += usize::from(shown != 0);
         let differs = shown != truth;
@@ -99,19 +109,12 @@ impl<'a> Rays<'a> {
     }
 
     pub(crate) fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
-        let [width, height] = self.size;
-        let rows = 0..height;
-        rows.flat_map(move |y| {
-            (0..width).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
-        })
+        centres(self.size)
     }
 
     /// Where a direction's part along the view's axis is 1.
     fn direction(&self, at_px: DVec2) -> DVec3 {
-        let [width, height] = self.size.map(f64::from);
-        let across = self.view.tan_half * (2.0 * at_px.x / width - 1.0);
-        let upwards = self.view.tan_half * (1.0 - 2.0 * at_px.y / height);
-        self.view.forward + self.view.right * across + self.view.up * upwards
+        self.view.direction(at_px, self.size)
     }
 
     /// The first triangle on the ray through a place of the picture.
@@ -250,13 +253,7 @@ impl<'a> Rays<'a> {
             f64::from(row) * step_m,
             self.height(column, row),
         );
-        let from_eye = place - self.view.eye;
-        let away = from_eye.dot(self.view.forward);
-        let [width, height] = self.size.map(f64::from);
-        let across = from_eye.dot(self.view.right) / (away * self.view.tan_half);
-        let upwards = from_eye.dot(self.view.up) / (away * self.view.tan_half);
-        let at = DVec2::new(0.5 * width * (1.0 + across), 0.5 * height * (1.0 - upwards));
-        (at, away)
+        self.view.project(place, self.size)
     }
 
     /// Holds a picture of triangles' numbers against the rays. Of numbers, what a picture holds is compared.
@@ -310,41 +307,52 @@ impl<'a> Rays<'a> {
     /// Holds a picture of points' numbers against their projections: a point covers the pixel that it
     /// lies in.
     pub(crate) fn judge_points(&self, numbers: &[u32]) -> Judged {
-        let [width, height] = self.size;
         let cells = self.grid.cells;
-        // Nearest point that is in each pixel whatever the rounding, and nearest by its place alone.
-        let mut sure = vec![f64::INFINITY; numbers.len()];
-        let mut plain = vec![(0, f64::INFINITY); numbers.len()];
-        for row in 0..cells {
-            for column in 0..cells {
-                let (at, away) = self.project(column, row);
-                let Some(pixel) = pixel_of(at, [width, height]) else {
-                    continue;
-                };
-                let inside = at - at.floor();
-                let is_sure =
-                    inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
-                if is_sure {
-                    sure[pixel] = sure[pixel].min(away);
-                }
-                if away < plain[pixel].1 {
-                    plain[pixel] = (row * cells + column + 1, away);
-                }
-            }
-        }
-        let mut judged = Judged::default();
-        for (pixel, &shown) in numbers.iter().enumerate() {
-            judged.add(shown, plain[pixel].0, || match shown {
-                0 => sure[pixel].is_infinite(),
-                _ if shown > cells * cells => false,
-                _ => {
-                    let (at, away) = self.project((shown - 1) % cells, (shown - 1) / cells);
-                    is_near_pixel(at, pixel, width) && away <= sure[pixel] * (1.0 + EQUAL_DEPTH)
-                }
-            });
-        }
-        judged
+        let all = (0..cells).flat_map(|row| (0..cells).map(move |column| (column, row)));
+        let places: Vec<(DVec2, f64)> =
+            all.map(|(column, row)| self.project(column, row)).collect();
+        judge_points(numbers, self.size, &places)
     }
+}
+
+/// Holds a picture of points' numbers against their projections.
+///
+/// - `places`: on the picture, pixels, and away from the eye, of the points 1, 2 …
+pub(crate) fn judge_points(numbers: &[u32], size: [u32; 2], places: &[(DVec2, f64)]) -> Judged {
+    // Nearest point that is in each pixel whatever the rounding, and nearest by its place alone.
+    let mut sure = vec![f64::INFINITY; numbers.len()];
+    let mut plain = vec![(0, f64::INFINITY); numbers.len()];
+    for (number, &(at, away)) in (1..).zip(places) {
+        let Some(pixel) = pixel_of(at, size) else {
+            continue;
+        };
+        let inside = at - at.floor();
+        let is_sure = inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
+        if is_sure {
+            sure[pixel] = sure[pixel].min(away);
+        }
+        if away < plain[pixel].1 {
+            plain[pixel] = (number, away);
+        }
+    }
+    let mut judged = Judged::default();
+    for (pixel, &shown) in numbers.iter().enumerate() {
+        judged.add(shown, plain[pixel].0, || match shown.checked_sub(1) {
+            None => sure[pixel].is_infinite(),
+            Some(index) => places.get(index as usize).is_some_and(|&(at, away)| {
+                is_near_pixel(at, pixel, size[0]) && away <= sure[pixel] * (1.0 + EQUAL_DEPTH)
+            }),
+        });
+    }
+    judged
+}
+
+/// Middles of a picture's pixels, row by row.
+pub(crate) fn centres([width, height]: [u32; 2]) -> impl Iterator<Item = DVec2> {
+    let rows = 0..height;
+    rows.flat_map(move |y| {
+        (0..width).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+    })
 }
 
 /// A place and its eight neighbours so far away.
@@ -371,7 +379,7 @@ fn is_near_pixel(at: DVec2, pixel: usize, width: u32) -> bool {
 }
 
 /// 0 inside.
-fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
+pub(crate) fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let sides = [(a, b), (b, c), (c, a)];
     let turns = sides.map(|(from, to)| (to - from).perp_dot(at - from));

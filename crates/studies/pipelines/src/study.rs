@@ -10,7 +10,7 @@ use crate::on_vulkan::OnVulkan;
 use crate::on_wgpu::OnWgpu;
 use crate::rays::{Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Submission};
-use crate::{STUDY, cache, culling, layered, lights};
+use crate::{STUDY, cache, culling, layered, lights, meshes};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::{ConditionKey, Verdict};
@@ -66,6 +66,7 @@ impl Study for PipelinesStudy {
         groups.extend(culling::groups(is_quick, pictures).into_iter().map(boxed));
         groups.push(boxed(cache::group(is_quick, samples)));
         groups.extend(lights::groups(is_quick, pictures).into_iter().map(boxed));
+        groups.extend(meshes::patches(request, samples).into_iter().map(boxed));
         groups.push(boxed(layered::shades(is_quick, samples)));
         groups.push(boxed(layered::blurs(is_quick, samples)));
         Ok(Planned {

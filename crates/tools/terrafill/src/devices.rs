@@ -286,6 +286,7 @@ mod tests {
             driver_uuid: String::new(),
             features: Features {
                 geometry_shader: true,
+                tessellation: true,
                 pipeline_statistics: true,
                 occlusion_query_precise: true,
                 depth_bounds: true,

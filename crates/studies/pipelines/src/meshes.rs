@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Meshes that are no terrain: bicubic patches divided by every stage, geometry images, and models that are deformed
+//! and kept.
+
+mod bezier;
+mod distance;
+mod mesh;
+mod picture;
+mod rays;
+
+pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches};
