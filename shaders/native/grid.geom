@@ -3,14 +3,19 @@
 #extension GL_EXT_samplerless_texture_functions : require
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Study `pipelines`: one invocation makes CELLS x CELLS cells of a point, as a strip a cell in the order
-// published in 2007, or with PER_ROW as a strip a row, which fetches inner columns once.
+// published in 2007, or with PER_ROW as a strip a row, which fetches inner columns once. With IMAGE the
+// cells are those of a geometry image.
 layout(points) in;
 #ifdef PER_ROW
 layout(triangle_strip, max_vertices = 2 * CELLS * (CELLS + 1)) out;
 #else
 layout(triangle_strip, max_vertices = 4 * CELLS * CELLS) out;
 #endif
+#ifdef IMAGE
+#include "image.glsl"
+#else
 #include "grid.glsl"
+#endif
 
 layout(location = 0) flat in uint point[];
 layout(location = 0) flat out uint number;

@@ -9,6 +9,8 @@ struct MeshConstants {
     origin: vec4<f32>,
     // A side, of a patch or of the whole.
     cells: u32,
+    // Whether a geometry image's cells are cut along its folds: 1 or 0.
+    is_folded: u32,
 };
 
 @group(0) @binding(0) var<uniform> mesh: MeshConstants;

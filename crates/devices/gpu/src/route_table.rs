@@ -33,6 +33,7 @@ impl RouteTable {
             RouteTexelFormat::R16Float => (wgpu::TextureFormat::R16Float, false),
             RouteTexelFormat::R32Float => (wgpu::TextureFormat::R32Float, true),
             RouteTexelFormat::Rg32Float => (wgpu::TextureFormat::Rg32Float, true),
+            RouteTexelFormat::Rgba32Float => (wgpu::TextureFormat::Rgba32Float, true),
         };
         if format == wgpu::TextureFormat::R16Unorm {
             let needed = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;

@@ -56,6 +56,9 @@ impl SampledImage {
             RouteTexelFormat::R16Float => (vk::Format::R16_SFLOAT, "R16_SFLOAT"),
             RouteTexelFormat::R32Float => (vk::Format::R32_SFLOAT, "R32_SFLOAT"),
             RouteTexelFormat::Rg32Float => (vk::Format::R32G32_SFLOAT, "R32G32_SFLOAT"),
+            RouteTexelFormat::Rgba32Float => {
+                (vk::Format::R32G32B32A32_SFLOAT, "R32G32B32A32_SFLOAT")
+            }
         };
         let read = vk::FormatFeatureFlags::SAMPLED_IMAGE;
         let (needed, how) = if texels.is_filtered {
@@ -107,7 +110,7 @@ impl SampledImage {
             );
             texels.extend_from_slice(bytes);
             // Offsets of copies are multiples of a texel, and of 4.
-            texels.resize(texels.len().next_multiple_of(8), 0);
+            texels.resize(texels.len().next_multiple_of(16), 0);
             gpu.work.count_upload(bytes.len() as u64);
             all_bytes += bytes.len() as u64;
         }

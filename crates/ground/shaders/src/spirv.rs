@@ -203,6 +203,7 @@ const GEOMETRY_SHARED: &[&str] = &[
     "native/lights.glsl",
     "native/mesh.glsl",
     "native/bezier.glsl",
+    "native/image.glsl",
     "casters/sides.glsl",
 ];
 
@@ -284,7 +285,9 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/grid.geom", "native/grid.row2.spv", Geometry, ["CELLS=2", "PER_ROW"];
     "native/grid.geom", "native/grid.row4.spv", Geometry, ["CELLS=4", "PER_ROW"];
     "native/grid.geom", "native/grid.row8.spv", Geometry, ["CELLS=8", "PER_ROW"];
+    "native/grid.geom", "native/image.cell1.spv", Geometry, ["CELLS=1", "IMAGE"];
     "native/grid.mesh", "native/grid.mesh.spv", Mesh, [];
+    "native/grid.mesh", "native/image.mesh.spv", Mesh, ["IMAGE"];
     "native/grid.frag", "native/grid.frag.spv", MeshFragment, [];
     "native/ground.geom", "native/ground.geom.spv", Geometry, [];
     "native/ground.task", "native/ground.task.spv", Task, [];
@@ -451,7 +454,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 33);
+        assert_eq!(all.len(), 35);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

@@ -37,6 +37,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         cache::SECTION,
         lights::SECTION,
         meshes::PATCHES,
+        meshes::IMAGES,
         layered::JUDGED,
         layered::TERRACES,
         layered::ROUGH,

@@ -4,8 +4,10 @@
 
 mod bezier;
 mod distance;
+mod image;
 mod mesh;
 mod picture;
 mod rays;
 
 pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches};
+pub(crate) use image::{CellCut, ImageWay, group as image};

@@ -8,6 +8,7 @@ terrafill_results::conditions! {
     ACCESS = "access", "in which order blocks of a cache are read";
     BLOCKS = "blocks", "how many blocks a cache holds";
     CELLS_PER_POINT = "cells_per_point", "cells that the geometry shader makes of each point";
+    CUT = "cut", "how the cells of a geometry image are cut: as published, or along the folds of its octahedron";
     DEPTH = "depth", "format of the depths that variances are made of";
     EXPERIMENT = "experiment", "which question of the chapter";
     FILTER = "filter", "how many texels of a map are averaged";
@@ -25,6 +26,7 @@ terrafill_results::conditions! {
     RESOLVE = "resolve", "how layers become a picture";
     SIGMA = "sigma", "spread of depths within a filter";
     SOURCE = "source", "where heights come from: from the CPU in each frame, or from a buffer";
+    STORED = "stored", "how places of a geometry image are stored";
     STRIP = "strip", "what a strip of triangles holds: a cell, or a row of cells";
     TEST = "test", "how a patch is tested: by its first corner, or by its box";
     TEXELS = "texels", "texels along a side";
@@ -40,7 +42,8 @@ terrafill_results::conditions! {
     "mesh-shader" = "a mesh shader makes the triangles";
     "geometry-patch" = "an invocation of a geometry shader divides a patch";
     "geometry-row" = "an invocation of a geometry shader makes a row of a patch's cells";
-    "compute-buffer" = "compute places every vertex of a patch once";
+    "compute-buffer" = "compute places every vertex once";
+    "indexed" = "indices of all triangles; the vertex shader fetches places";
     "tessellation" = "the tessellation stages divide a patch";
     "tiles-alone" = "no patch is left out: all of the tiles in view are drawn";
     "compute" = "compute makes the list of patches, and says how many are drawn";

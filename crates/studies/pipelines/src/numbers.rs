@@ -2,43 +2,17 @@
 //! Figures of formulas alone, which no run changes: `docs/pipeline-numbers.md` holds them, and tests prove them.
 
 mod blurs;
-mod geometry_image;
 mod shadows;
 
 use crate::blur::{Filter, Moments as BlurMoments, Resolve};
 use crate::variance::{DepthFormat, Moments};
 use blurs::{blur_error, resolve_error};
-use geometry_image::{CellCut, Texels, image_error};
 use shadows::{NO_FLOOR, bleeding, hard_shadow, lit_plane, noise, worst_bleeding};
 use terrafill_fixtures::page::{assert_tables, markdown_table};
 use terrafill_plot::number::significant;
 
 fn percent(share: f64) -> String {
     significant(100.0 * share)
-}
-
-fn image_rows() -> Vec<Vec<String>> {
-    let exact = CellCut::ALL.into_iter().flat_map(|cut| {
-        let texels = [33, 65, 129, 257].into_iter();
-        texels.map(move |texels| (cut, Texels::Exact, texels))
-    });
-    let rounded = Texels::ROUNDED.map(|stored| (CellCut::Fold, stored, 257));
-    let row = |(cut, stored, texels): (CellCut, Texels, u32)| {
-        let error = image_error(texels, cut, stored);
-        assert_eq!(error.open_texels, 0, "{cut:?} {stored:?} {texels}");
-        let figures = [
-            error.max_m,
-            error.rms_m,
-            error.max_px(),
-            error.normal_rms_deg,
-        ];
-        let names = [cut.name().to_owned(), stored.name(), texels.to_string()];
-        names
-            .into_iter()
-            .chain(figures.map(significant))
-            .collect::<Vec<String>>()
-    };
-    exact.chain(rounded).map(row).collect()
 }
 
 fn noise_rows() -> Vec<Vec<String>> {
@@ -99,7 +73,7 @@ fn resolve_rows() -> Vec<Vec<String>> {
 }
 
 /// Every table of the page.
-fn tables() -> [String; 7] {
+fn tables() -> [String; 6] {
     let bleeding = [0.5, 1.0, 2.0, 5.0, 10.0].map(|gaps| {
         let figures = [gaps, bleeding(gaps), worst_bleeding(gaps)];
         figures.map(significant).to_vec()
@@ -116,11 +90,6 @@ fn tables() -> [String; 7] {
         row
     });
     [
-        table(
-            "cut | stored in | texels a side | largest distance, m | rms, m | largest, px of 1,024 \
-             | normals, rms °",
-            image_rows(),
-        ),
         table(
             "moments | spread of depths | relative, rms | absolute, rms | absolute, largest",
             noise_rows(),

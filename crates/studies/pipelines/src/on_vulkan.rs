@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Grids on Vulkan itself, which has every stage.
 
-use crate::draws::{Counted, Draws, Times};
+use crate::draws::{Counted, Draws, Times, count};
 use crate::grid::{Grid, GridConstants};
 use crate::way::{
     ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Submission, emitted_by_point, geometry_shader,
@@ -66,8 +66,23 @@ pub(crate) enum Call {
     /// Behind a dispatch that places vertices.
     Placed(Vec<Range<u32>>, ComputePipeline, u32),
     Patches(Buffer, u32),
+    /// All indices, so many, of so many instances.
+    Indexed(Buffer, u32, u32),
     Indirect(Arc<Buffer>, ComputePipeline, u32),
     Groups(u32),
+}
+
+impl Call {
+    /// Triangles by their corners' indices.
+    pub(crate) fn indexed(
+        gpu: &Arc<Gpu>,
+        triangles: &[[u32; 3]],
+        instances: u32,
+    ) -> Result<Self, DeviceError> {
+        let bytes = bytemuck::cast_slice(triangles);
+        let indices = Buffer::upload(gpu, "indices", bytes, BufferUse::Index)?;
+        Ok(Self::Indexed(indices, 3 * count(triangles), instances))
+    }
 }
 
 /// A grid by one way.
@@ -175,6 +190,12 @@ impl OnVulkan {
                 indices,
                 width: IndexWidth::Short,
                 count: 6 * PATCH_CELLS * PATCH_CELLS,
+                instances: *instances,
+            },
+            Call::Indexed(indices, count, instances) => DrawCall::Indexed {
+                indices,
+                width: IndexWidth::Long,
+                count: *count,
                 instances: *instances,
             },
             Call::Indirect(arguments, compute, groups) => {

@@ -6,6 +6,7 @@
 //! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
 //! a border may show either side; every other difference is an error.
 
+use crate::draws::Counted;
 use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
 use terrafill_scene::ImageSize;
@@ -51,6 +52,23 @@ impl Judged {
             ("pipeline_band_px", self.in_band as f64),
             ("pipeline_shown_px", self.shown as f64),
         ]
+    }
+
+    /// What is wrong with it; nothing of what is right.
+    ///
+    /// - `expected`: primitives that reach clipping
+    pub(crate) fn reason(&self, counted: &Counted, expected: u64) -> String {
+        match counted.primitives {
+            _ if self.mismatched > 0 => {
+                let pixels = self.mismatched;
+                format!("{pixels} pixels show what the reference does not allow")
+            }
+            _ if self.shown == 0 => "it shows nothing".to_owned(),
+            Some(found) if found != expected => {
+                format!("{found} primitives reached clipping, expected {expected}")
+            }
+            _ => String::new(),
+        }
     }
 
     pub(crate) fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {

@@ -38,6 +38,8 @@ pub enum RouteTexelFormat {
     R32Float,
     /// Two 32-bit floats.
     Rg32Float,
+    /// Four 32-bit floats.
+    Rgba32Float,
 }
 
 impl RouteTexelFormat {
@@ -49,6 +51,7 @@ impl RouteTexelFormat {
             Self::R16Unorm | Self::R16Float => 2,
             Self::R32Float => 4,
             Self::Rg32Float => 8,
+            Self::Rgba32Float => 16,
         }
     }
 }

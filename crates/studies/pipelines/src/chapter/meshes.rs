@@ -4,14 +4,15 @@
 use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
 };
-use crate::meshes::{Division, MAX_PATCH_CELLS};
+use super::published::{IMAGE_FPS, IMAGE_TEXELS};
+use crate::meshes::{CellCut, Division, ImageWay, MAX_PATCH_CELLS};
 use crate::metrics::*;
 use terrafill_lab::{
-    Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope,
+    Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope, range,
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
-use terrafill_results::{Claim, Finding};
+use terrafill_results::{Case, Claim, Finding};
 
 const WHAT_OF_TEAPOTS: &str = "The paper shows a teapot \"rendered with spline subdivision\" in its first figure and gives no set-up, level or \
      time of it, so there is nothing of it to compare. Its cap of 128 vertices an invocation holds 7 × 7 cells.";
@@ -65,6 +66,109 @@ pub(super) const PATCHES: Section<'static> = Section {
     ..Section::EMPTY
 };
 
+const WHAT_OF_IMAGES: &str = "The published image is of another model, and neither its window nor its camera is stated: frames per second stand \
+     here as ratios within their table alone. Its figures on the older cards, 271 and 713, are of points.";
+
+pub(super) const IMAGES: Section<'static> = Section {
+    title: "Geometry images",
+    caption: "The image by every stage that fetches its texels",
+    text: "A rabbit-like surface is where a sum of fields is 1. A program meshes it with irregular triangles, lays these \
+           on a sphere along the field's lines, folds that onto an octahedron and unfolds the octahedron onto a square \
+           of texels, each a place of the surface. Vulkan draws the square as points whose vertex shader fetches a \
+           texel, and as triangles: a geometry shader makes the 2 × 2 texels of a cell, as published, or another stage \
+           does. Errors are distances both ways in double precision: of seven places of each triangle from the surface, \
+           and of the irregular mesh's vertices, which lie on it, from the triangles. The published order of \
+           vertices cuts every cell one way, which in half of the square crosses the octahedron's folds. Pictures are \
+           held against rays in double precision to the triangles as they are stored, points against projections.",
+    cases: Select::With(EXPERIMENT, "image"),
+    named_by: Names::Columns(&[
+        ("texels a side", TEXELS),
+        ("way", WAY),
+        ("cut", CUT),
+        ("stored", STORED),
+    ]),
+    findings: &[|cases| image_finding(cases), |cases| fetched_finding(cases)],
+    drawing: Some(Drawing {
+        caption: "Error against time: along each curve the texels rise.",
+        panels: &[Panel {
+            across: ("frame, ms", FRAME),
+            up: (
+                "distance from the surface, rms, m",
+                Figure::Metric(SURFACE_ERROR_RMS_M),
+            ),
+            upwards: Upwards::Error,
+            curve: Names::Joined(&[WAY, CUT, STORED]),
+            knob: Figure::Condition(TEXELS),
+            label: Some(Names::Joined(&[TEXELS])),
+            ..Panel::EMPTY
+        }],
+    }),
+    columns: &[
+        Column::of("time, ms", FRAME),
+        ratios("time ÷ that of points", |cases, case| {
+            let points = beside(cases, case, &[(WAY, ImageWay::Points.name())]);
+            gain(Some(case), points, frame_time(cases.clock()))
+        }),
+        Column::of("the same, published", Figure::Words(published_image))
+            .meaning("ratio of frames per second, 8800 GTX")
+            .or("not published"),
+        Column::metric("rms, m", SURFACE_ERROR_RMS_M),
+        Column::metric("largest distance, m", SURFACE_ERROR_MAX_M),
+        Column::metric("largest, px", SURFACE_ERROR_PX),
+        Column::metric("held", PIPELINE_HELD_BYTES),
+        Column::metric("vertices given", PIPELINE_EMITTED_VERTICES),
+        counter("vertices shaded", PIPELINE_VERTEX_INVOCATIONS),
+        counter("geometry invocations", PIPELINE_GEOMETRY_INVOCATIONS),
+        counter("primitives", PIPELINE_PRIMITIVES),
+        Column::metric("pixels in the band", PIPELINE_BAND_PX),
+    ],
+    pictures: &[("picture", "")],
+    more: &[|_| remark(WHAT_OF_IMAGES)],
+    ..Section::EMPTY
+};
+
+fn published_image(case: &Case) -> Option<String> {
+    let is_published = case.condition(TEXELS) == IMAGE_TEXELS.to_string()
+        && case.condition(WAY) == ImageWay::Geometry.name();
+    is_published.then(|| significant(IMAGE_FPS[0] / IMAGE_FPS[1]))
+}
+
+/// What is published of the image: triangles of the geometry shader against points.
+fn image_finding(cases: &Cases<'_>) -> Finding {
+    let ways = [ImageWay::Points, ImageWay::Geometry].map(ImageWay::name);
+    let own = cases.with(&[(TEXELS, &IMAGE_TEXELS.to_string())]);
+    let pairs = own.pairs(WAY, ways, &[]);
+    let claim = format!(
+        "A geometry image of 257 × 257 is drawn as triangles by the geometry shader at less than 0.8 times the frames of \
+         points (published {}):",
+        significant(IMAGE_FPS[1] / IMAGE_FPS[0])
+    );
+    let time = (frame_time(cases.clock()), WHOLE);
+    compared(
+        cases,
+        (WAY, &[]),
+        time,
+        &pairs,
+        (claim, Claim::LessThan(0.8)),
+    )
+}
+
+/// That the stage of 2007 is not needed for triangles of fetched texels.
+fn fetched_finding(cases: &Cases<'_>) -> Finding {
+    let ways = [ImageWay::Geometry, ImageWay::Indexed].map(ImageWay::name);
+    let pairs = cases.pairs(WAY, ways, &[]);
+    let claim = "Triangles of a geometry image are drawn in less time by indices, whose vertex shader fetches, than by \
+                 the geometry shader:";
+    let time = (frame_time(cases.clock()), WHOLE);
+    compared(
+        cases,
+        (WAY, &[]),
+        time,
+        &pairs,
+        (claim.to_owned(), Claim::Faster),
+    )
+}
+
 /// That one invocation a patch is slower than the stages that are made for it: what 2007 had against what came after.
 fn patches_finding(cases: &Cases<'_>) -> Finding {
     let own = cases.fitting(|case| {
@@ -96,7 +200,29 @@ pub(super) fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
             format!("an exponent of {}", significant(slope)),
         )
     });
-    falls.into_iter().collect()
+    falls.into_iter().chain(folds(cases)).collect()
+}
+
+/// What is required of images: that cells cut along the folds are nearer.
+fn folds(cases: &Cases<'_>) -> Option<Finding> {
+    let own = cases.with(&[
+        (EXPERIMENT, "image"),
+        (WAY, ImageWay::NoBuffer.name()),
+        (STORED, "f32"),
+    ]);
+    let cuts = [CellCut::Published, CellCut::Fold].map(CellCut::name);
+    let pairs = own.pairs(CUT, cuts, &[]);
+    let ratios = pairs.iter().filter_map(|pair| {
+        let [published, fold] = pair.map(|case| case.value(SURFACE_ERROR_RMS_M));
+        Some(published? / fold?)
+    });
+    let ratios: Vec<f64> = ratios.collect();
+    let said = range(&ratios)?;
+    Some(finding(
+        "Cells of a geometry image cut along its folds are nearer to the surface, rms, than cut as published:",
+        Some(ratios.iter().all(|ratio| *ratio > 1.0)),
+        format!("{said} times as near"),
+    ))
 }
 
 /// The cheapest way at the finest level, and its error.
@@ -114,5 +240,21 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
             significant(best.value),
         ))
     };
-    patches().into_iter().collect()
+    let images = || {
+        let own = cases.with(&[(EXPERIMENT, "image"), (STORED, "f32")]);
+        let own = own.fitting(|case| case.condition(WAY) != ImageWay::Points.name());
+        let (texels, own) = of_most(&own, TEXELS, metric)?;
+        let nearest = own.least(SURFACE_ERROR_RMS_M)?;
+        // The cut along folds is nearer: a way that errs more is not the one to take.
+        let own = own.fitting(|case| case.value(SURFACE_ERROR_RMS_M) == Some(nearest));
+        let best = own.best(metric)?;
+        Some(format!(
+            "A geometry image of {texels} × {texels}, {} m rms from the surface, is drawn by {}, cut {}: {} ms.",
+            significant(nearest),
+            best.case.condition(WAY),
+            best.case.condition(CUT),
+            significant(best.value),
+        ))
+    };
+    patches().into_iter().chain(images()).collect()
 }

@@ -47,6 +47,11 @@ pub(crate) const GRIDS: [GridRow; 4] = [
     },
 ];
 
+/// A geometry image of 257 × 257 on the 8800 GTX: as points, and as triangles by the geometry shader.
+pub(crate) const IMAGE_FPS: [f64; 2] = [2_281.0, 976.0];
+/// Its texels along a side.
+pub(crate) const IMAGE_TEXELS: u32 = 257;
+
 /// A row of the amplification table, on the 8800 GTX: for 1, 4 and 16 cells a point, points sent each
 /// frame and points in a buffer.
 pub(crate) struct AmplificationRow {

@@ -72,7 +72,8 @@ pub(crate) struct MeshConstants {
     z: [f32; 4],
     origin: [f32; 4],
     cells: u32,
-    padding: [u32; 3],
+    is_folded: u32,
+    padding: [u32; 2],
 }
 
 impl MeshConstants {
@@ -85,7 +86,16 @@ impl MeshConstants {
             z: column(clip.z_axis),
             origin: column(clip.w_axis),
             cells,
-            padding: [0; 3],
+            is_folded: 0,
+            padding: [0; 2],
+        }
+    }
+
+    /// Of a geometry image: whether its cells are cut along its folds.
+    pub(crate) fn folded(self, is_folded: bool) -> Self {
+        Self {
+            is_folded: u32::from(is_folded),
+            ..self
         }
     }
 }
@@ -106,6 +116,7 @@ mod tests {
         assert_eq!(offset("z"), offset_of!(MeshConstants, z));
         assert_eq!(offset("origin"), offset_of!(MeshConstants, origin));
         assert_eq!(offset("cells"), offset_of!(MeshConstants, cells));
+        assert_eq!(offset("is_folded"), offset_of!(MeshConstants, is_folded));
         assert_eq!(layout.stride as usize, size_of::<MeshConstants>());
         // Negative control: two members lie apart.
         assert_ne!(offset("y"), offset_of!(MeshConstants, z));

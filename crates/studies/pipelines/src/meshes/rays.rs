@@ -7,7 +7,9 @@
 
 use super::mesh::Mesh;
 use crate::grid::GridCamera;
-use crate::rays::{BAND_PX, EQUAL_DEPTH, Judged, around, centres, distance_to_triangle};
+use crate::rays::{
+    BAND_PX, EQUAL_DEPTH, Judged, around, centres, distance_to_triangle, judge_points,
+};
 use glam::{DVec2, DVec3};
 
 /// A side of a tile of the picture, whose triangles are listed.
@@ -111,6 +113,11 @@ impl<'a> MeshRays<'a> {
             });
         }
         judged
+    }
+
+    /// Holds a picture of vertices' numbers against their projections.
+    pub(crate) fn judge_points(&self, numbers: &[u32]) -> Judged {
+        judge_points(numbers, self.size, &self.places)
     }
 
     /// Whether the border of one of these triangles passes within the band of a place, and nothing hides it there.

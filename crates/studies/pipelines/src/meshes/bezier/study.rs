@@ -157,18 +157,7 @@ impl Session for PatchSession<'_> {
         };
         let patches = count(&self.patches);
         let expected = self.meshes[0].triangles.len() as u64;
-        let counts_fit = counted.primitives.is_none_or(|found| found == expected);
-        let reason = if found.mismatched > 0 {
-            let pixels = found.mismatched;
-            format!("{pixels} pixels show what the reference does not allow")
-        } else if found.shown == 0 {
-            "it shows nothing".to_owned()
-        } else if !counts_fit {
-            let found = counted.primitives.unwrap_or_default();
-            format!("{found} primitives reached clipping, expected {expected}")
-        } else {
-            String::new()
-        };
+        let reason = found.reason(&counted, expected);
         let mut figures = found.figures();
         // Which cut tessellation stages make is not known.
         let distances = &self.distances[usize::from(way.shows_cells())];

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Geometry images: an irregular mesh of a closed surface made into a square of places, and drawn by every stage that
+//! can fetch them.
+
+mod rabbit;
+mod sphere;
+mod square;
+mod study;
+mod tetrahedra;
+mod way;
+
+pub(crate) use square::CellCut;
+pub(crate) use study::group;
+pub(crate) use way::ImageWay;
