@@ -16,9 +16,13 @@ struct MeshConstants {
 @group(0) @binding(0) var<uniform> mesh: MeshConstants;
 
 // By fused steps, so that every stage finds the same bits.
+fn clip_in(view: MeshConstants, place: vec3<f32>) -> vec4<f32> {
+    let level = fma(view.z, vec4<f32>(place.z), view.origin);
+    return fma(view.x, vec4<f32>(place.x), fma(view.y, vec4<f32>(place.y), level));
+}
+
 fn clip_from_metres(place: vec3<f32>) -> vec4<f32> {
-    let level = fma(mesh.z, vec4<f32>(place.z), mesh.origin);
-    return fma(mesh.x, vec4<f32>(place.x), fma(mesh.y, vec4<f32>(place.y), level));
+    return clip_in(mesh, place);
 }
 
 // From 1, since 0 is what is not drawn.

@@ -2,7 +2,6 @@
 //! Steps from one state buffer to another without a picture: by compute, or by vertices whose outputs
 //! transform feedback keeps, the rest of the pipeline discarded.
 
-use crate::direct::record_dispatch;
 use crate::memory::barrier;
 use crate::owned::Owned;
 use crate::pipeline::{OwnedPipeline, ShaderStage, graphics};
@@ -99,6 +98,18 @@ pub enum StateStep<'a> {
     },
 }
 
+impl StateStep<'_> {
+    /// Whether all of it is of this device and for this use.
+    pub(crate) fn fits(&self, gpu: &Arc<Gpu>) -> bool {
+        match self {
+            Self::Dispatch(dispatch) => dispatch.pipeline.owned.is_on(gpu),
+            Self::Capture { pipeline, into, .. } => {
+                pipeline.pipeline.is_on(gpu) && into.is_for(gpu, BufferUse::State)
+            }
+        }
+    }
+}
+
 /// What was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepReport {
@@ -112,14 +123,8 @@ pub struct StepReport {
 /// [`DeviceError::Unsupported`] for what is of another device or a buffer for another use,
 /// [`DeviceError::DeviceLost`].
 pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, DeviceError> {
-    let fits = |step: &StateStep<'_>| match step {
-        StateStep::Dispatch(dispatch) => dispatch.pipeline.owned.is_on(gpu),
-        StateStep::Capture { pipeline, into, .. } => {
-            pipeline.pipeline.is_on(gpu) && into.is_for(gpu, BufferUse::State)
-        }
-    };
     let what = "stepping what is of another device or made for another use";
-    gpu.require(steps.iter().all(fits), what)?;
+    gpu.require(steps.iter().all(|step| step.fits(gpu)), what)?;
     let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
     let span = Span::new(stamps.as_ref(), 0);
     // SAFETY: everything is of this device and lives until the submission is done.
@@ -127,14 +132,7 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
         gpu.submit(|device, commands| {
             span.begin(commands);
             for step in steps {
-                match *step {
-                    StateStep::Dispatch(dispatch) => record_dispatch(device, commands, dispatch),
-                    StateStep::Capture {
-                        pipeline,
-                        into,
-                        vertices,
-                    } => record_capture(gpu, commands, pipeline, into, vertices),
-                }
+                record_step(gpu, commands, step);
                 let_all_see(device, commands);
             }
             span.end(commands);
@@ -164,6 +162,50 @@ impl Buffer {
             })?;
         }
         copy.read()
+    }
+}
+
+/// Records a step. What a dispatch wrote is seen by drawing at once, what was captured after [`let_all_see`].
+///
+/// # Safety
+/// Recording is under way, outside of a pass, on the device of all of the step.
+pub(crate) unsafe fn record_step(gpu: &Gpu, commands: vk::CommandBuffer, step: &StateStep<'_>) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        match *step {
+            StateStep::Dispatch(dispatch) => record_dispatch(&gpu.device, commands, dispatch),
+            StateStep::Capture {
+                pipeline,
+                into,
+                vertices,
+            } => record_capture(gpu, commands, pipeline, into, vertices),
+        }
+    }
+}
+
+/// # Safety
+/// Recording is under way, outside of a pass, on the device of the dispatch.
+unsafe fn record_dispatch(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    Dispatch { pipeline, groups }: Dispatch<'_>,
+) {
+    let compute = vk::PipelineBindPoint::COMPUTE;
+    let written = (
+        vk::PipelineStageFlags::COMPUTE_SHADER,
+        vk::AccessFlags::SHADER_WRITE,
+    );
+    let readers = (
+        vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT,
+        vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ,
+    );
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_bind_pipeline(commands, compute, pipeline.owned.raw);
+        pipeline.resources.bind(commands, compute);
+        let [x, y, z] = groups;
+        device.cmd_dispatch(commands, x, y, z);
+        barrier(device, commands, written, readers);
     }
 }
 
@@ -213,7 +255,7 @@ unsafe fn record_capture(
 
 /// # Safety
 /// Recording is under way, outside of a pass.
-unsafe fn let_all_see(device: &ash::Device, commands: vk::CommandBuffer) {
+pub(crate) unsafe fn let_all_see(device: &ash::Device, commands: vk::CommandBuffer) {
     let all = vk::PipelineStageFlags::ALL_COMMANDS;
     let any = vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE;
     let written = (all, vk::AccessFlags::MEMORY_WRITE);

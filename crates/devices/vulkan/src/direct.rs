@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One pass over cleared targets by a pipeline of the caller's own, after a dispatch where there is one.
 
-use crate::memory::barrier;
+use crate::capture::{let_all_see, record_step};
 use crate::queries::{Queries, QueryKind, Span};
 use crate::render_targets::SURFACE_STAMPS;
 use crate::{
     Buffer, BufferUse, ComputePipeline, DrawPipeline, IndexWidth, Measured, PassStatistics,
-    RenderTargets,
+    RenderTargets, StateStep,
 };
 use ash::vk;
 use std::ops::Range;
@@ -57,7 +57,7 @@ pub struct Dispatch<'a> {
 /// What was measured; absent where the device cannot, or it was not asked for.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DirectReport {
-    /// GPU time of dispatch and draw, milliseconds.
+    /// GPU time of what was before the draw, and of the draw, milliseconds.
     pub gpu_ms: Option<f64>,
     /// Pipeline statistics of the draw.
     pub statistics: Option<PassStatistics>,
@@ -81,7 +81,21 @@ impl RenderTargets {
         draw: &DirectDraw<'_>,
         measured: Measured,
     ) -> Result<DirectReport, DeviceError> {
-        self.check(dispatch, draw)?;
+        let step = dispatch.map(StateStep::Dispatch);
+        self.draw_after(step.as_slice(), draw, measured)
+    }
+
+    /// As [`RenderTargets::draw_directly`], after steps each of which sees what the one before wrote.
+    ///
+    /// # Errors
+    /// As [`RenderTargets::draw_directly`].
+    pub fn draw_after(
+        &mut self,
+        steps: &[StateStep<'_>],
+        draw: &DirectDraw<'_>,
+        measured: Measured,
+    ) -> Result<DirectReport, DeviceError> {
+        self.check(steps, draw)?;
         let gpu = self.gpu();
         let counts = measured == Measured::Statistics && !draw.pipeline.is_mesh();
         let queries = Queries::new(gpu, QueryKind::Statistics, u32::from(counts))?;
@@ -101,8 +115,11 @@ impl RenderTargets {
                 for queries in queries.iter().chain(&samples) {
                     queries.reset(commands);
                 }
-                if let Some(dispatch) = dispatch {
-                    record_dispatch(device, commands, dispatch);
+                for step in steps {
+                    record_step(gpu, commands, step);
+                    if matches!(step, StateStep::Capture { .. }) {
+                        let_all_see(device, commands);
+                    }
                 }
                 self.begin_surface(commands);
                 if let Some(queries) = &queries {
@@ -128,11 +145,7 @@ impl RenderTargets {
         })
     }
 
-    fn check(
-        &self,
-        dispatch: Option<Dispatch<'_>>,
-        draw: &DirectDraw<'_>,
-    ) -> Result<(), DeviceError> {
+    fn check(&self, steps: &[StateStep<'_>], draw: &DirectDraw<'_>) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let is = |buffer: &Buffer, use_for| buffer.is_for(gpu, use_for);
         let vertices_fit = match draw.vertices {
@@ -155,36 +168,9 @@ impl RenderTargets {
                 is(arguments, BufferUse::Arguments) && arguments.size() >= 16
             }
         };
-        let devices_fit = draw.pipeline.owned.is_on(gpu)
-            && dispatch.is_none_or(|dispatch| dispatch.pipeline.owned.is_on(gpu));
+        let devices_fit = draw.pipeline.owned.is_on(gpu) && steps.iter().all(|step| step.fits(gpu));
         let fits = vertices_fit && call_fits && devices_fit && is_mesh == draw.pipeline.is_mesh();
         gpu.require(fits, "drawing what does not fit its pipeline")
-    }
-}
-
-/// # Safety
-/// Recording is under way, outside of a pass, on the device of the dispatch.
-pub(crate) unsafe fn record_dispatch(
-    device: &ash::Device,
-    commands: vk::CommandBuffer,
-    Dispatch { pipeline, groups }: Dispatch<'_>,
-) {
-    let compute = vk::PipelineBindPoint::COMPUTE;
-    let written = (
-        vk::PipelineStageFlags::COMPUTE_SHADER,
-        vk::AccessFlags::SHADER_WRITE,
-    );
-    let readers = (
-        vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT,
-        vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ,
-    );
-    // SAFETY: the caller's promise.
-    unsafe {
-        device.cmd_bind_pipeline(commands, compute, pipeline.owned.raw);
-        pipeline.resources.bind(commands, compute);
-        let [x, y, z] = groups;
-        device.cmd_dispatch(commands, x, y, z);
-        barrier(device, commands, written, readers);
     }
 }
 

@@ -7,9 +7,9 @@ use terrafill_contract::{DeviceError, ids_of};
 use terrafill_scene::ImageSize;
 use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 use terrafill_vulkan::{
-    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, GpuOptions,
-    Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage, Shader, Topology,
-    VertexFormat, open_for_test,
+    Buffer, BufferUse, CapturePipeline, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu,
+    GpuOptions, Measured, PrimitiveStages, RenderTargets, Resource, Resources, SampledImage,
+    Shader, StateStep, Topology, VertexFormat, open_for_test,
 };
 
 const GRID: &str = "pipelines/grid.wgsl";
@@ -173,6 +173,55 @@ fn what_does_not_fit_is_refused() {
             ..
         }
     ));
+}
+
+#[test]
+fn what_is_captured_before_a_draw_is_kept_where_it_may_be() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    if !gpu.facts.features.transform_feedback {
+        return;
+    }
+    let points = stages("fetched_point", VertexFormat::Word, Topology::Points);
+    let pipeline = pipeline(&gpu, points).expect("a pipeline");
+    let mut targets = RenderTargets::new(&gpu, SIZE).expect("targets");
+    let stored = Buffer::upload(&gpu, "points", &[0; 16], BufferUse::Vertex).expect("a buffer");
+    let numbers = |numbers: &[f32], use_for| {
+        let bytes = bytemuck::cast_slice(numbers);
+        Buffer::upload(&gpu, "numbers", bytes, use_for).expect("a buffer")
+    };
+    let storage = |of: &[f32]| Resource::Storage(Arc::new(numbers(of, BufferUse::Storage)));
+    // A dent that moves its middle by 2 along x.
+    let dent = [1.0, 1.0, 1.0, 0.5, 2.0, 0.0, 0.0, 0.0];
+    let bound = vec![
+        Resource::Uniform(Arc::new(numbers(&[0.0; 20], BufferUse::Uniform))),
+        storage(&[1.0, 1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 1.0]),
+        storage(&dent),
+    ];
+    let bound = Resources::new(&gpu, bound).expect("bound");
+    let capture = CapturePipeline::new(&gpu, &bound, "native/deform.spv").expect("a pipeline");
+    let range = 0..4;
+    let draw = DirectDraw {
+        pipeline: &pipeline,
+        vertices: Some(&stored),
+        call: DrawCall::Vertices(std::slice::from_ref(&range)),
+    };
+    let mut captured = |into: &Buffer| {
+        let step = StateStep::Capture {
+            pipeline: &capture,
+            into,
+            vertices: 2,
+        };
+        targets.draw_after(&[step], &draw, Measured::Nothing)
+    };
+    let kept = numbers(&[0.0; 8], BufferUse::State);
+    captured(&kept).expect("drawn");
+    let bytes = kept.contents(&gpu).expect("readable");
+    let found: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
+    assert_eq!(found, [3.0, 1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 1.0]);
+    // Negative control: a buffer for something else.
+    assert!(captured(&numbers(&[0.0; 8], BufferUse::Storage)).is_err());
 }
 
 #[test]

@@ -309,6 +309,7 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/bezier.geom", "native/bezier.row.spv", Geometry, ["PER_ROW"];
     "native/bezier.tesc", "native/bezier.tesc.spv", TessControl, [];
     "native/bezier.tese", "native/bezier.tese.spv", TessEvaluation, [];
+    "native/deform.vert", "native/deform.spv", Capture, [];
     "native/balls.vert", "native/balls.spv", Capture, [];
     "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
     "globes/seam.geom", "globes/seam.half.spv", Geometry, ["LIMIT=0.5"];
@@ -454,7 +455,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 35);
+        assert_eq!(all.len(), 36);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

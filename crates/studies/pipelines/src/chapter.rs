@@ -38,6 +38,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         lights::SECTION,
         meshes::PATCHES,
         meshes::IMAGES,
+        meshes::DEFORMED,
         layered::JUDGED,
         layered::TERRACES,
         layered::ROUGH,

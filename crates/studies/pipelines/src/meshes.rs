@@ -3,6 +3,7 @@
 //! and kept.
 
 mod bezier;
+mod deformed;
 mod distance;
 mod image;
 mod mesh;
@@ -10,4 +11,5 @@ mod picture;
 mod rays;
 
 pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches};
+pub(crate) use deformed::{DeformWay, group as deformed};
 pub(crate) use image::{CellCut, ImageWay, group as image};

@@ -10,6 +10,7 @@ terrafill_results::conditions! {
     CELLS_PER_POINT = "cells_per_point", "cells that the geometry shader makes of each point";
     CUT = "cut", "how the cells of a geometry image are cut: as published, or along the folds of its octahedron";
     DEPTH = "depth", "format of the depths that variances are made of";
+    DRAWINGS = "drawings", "how often a deformed model is drawn in a frame";
     EXPERIMENT = "experiment", "which question of the chapter";
     FILTER = "filter", "how many texels of a map are averaged";
     FLIGHT_S = "flight_s", "at which second of the flight";
@@ -43,6 +44,8 @@ terrafill_results::conditions! {
     "geometry-patch" = "an invocation of a geometry shader divides a patch";
     "geometry-row" = "an invocation of a geometry shader makes a row of a patch's cells";
     "compute-buffer" = "compute places every vertex once";
+    "deformed-anew" = "the vertex shader deforms the model in each drawing";
+    "stream-output" = "vertices are deformed once, and transform feedback keeps them";
     "indexed" = "indices of all triangles; the vertex shader fetches places";
     "tessellation" = "the tessellation stages divide a patch";
     "tiles-alone" = "no patch is left out: all of the tiles in view are drawn";
@@ -158,6 +161,16 @@ terrafill_results::metrics! {
         "surface_error_px",
         "The largest of those distances as it is seen, were it across the view.",
     );
+    DEFORMED_VERTICES = Metric::counter(
+        "deformed_vertices",
+        "Vertices that are deformed in a frame, by the definition of the way.",
+    );
+    KEPT_ERROR_M = Metric::error(
+        "kept_error_m",
+        "m",
+        "Largest distance of a deformed vertex that was kept from its place in f64.",
+    )
+    .or("nothing is kept");
     CULL_TILES = Metric::counter(
         "cull_tiles",
         "Tiles of 256 whose box of least and greatest height meets the view.",

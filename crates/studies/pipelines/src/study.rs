@@ -68,6 +68,7 @@ impl Study for PipelinesStudy {
         groups.extend(lights::groups(is_quick, pictures).into_iter().map(boxed));
         groups.extend(meshes::patches(request, samples).into_iter().map(boxed));
         groups.push(boxed(meshes::image(request, samples)));
+        groups.push(boxed(meshes::deformed(request, samples)));
         groups.push(boxed(layered::shades(is_quick, samples)));
         groups.push(boxed(layered::blurs(is_quick, samples)));
         Ok(Planned {

@@ -5,7 +5,7 @@ use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
 };
 use super::published::{IMAGE_FPS, IMAGE_TEXELS};
-use crate::meshes::{CellCut, Division, ImageWay, MAX_PATCH_CELLS};
+use crate::meshes::{CellCut, DeformWay, Division, ImageWay, MAX_PATCH_CELLS};
 use crate::metrics::*;
 use terrafill_lab::{
     Cases, Column, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope, range,
@@ -22,11 +22,11 @@ pub(super) const PATCHES: Section<'static> = Section {
     caption: "The pot by every stage that divides patches",
     text: "A pot of 40 bicubic patches with control points of its own is divided on Vulkan into level × level cells a \
            patch. One invocation of a geometry shader makes a patch, or a row of one; or compute places every vertex, \
-           or the tessellation stages, or the vertex shader alone. The error is the distance of the triangles from the \
-           exact patches in double precision, the largest of seven places of each triangle. Pictures are held against \
-           rays in double precision to the same triangles; of the tessellation stages, whose cut of a cell is the \
-           driver's, against rays to the cells cut either way. Each triangle is shown in its light, every other cell a \
-           little darker.",
+           or the tessellation stages, or the vertex shader alone. The error is the distance of the triangles from \
+           the exact patches in double precision, the largest of seven places of each triangle. Pictures are held \
+           against rays in double precision to the same triangles; of the tessellation stages, whose cut of a cell is \
+           the driver's, against rays to the cells cut either way. Each triangle is shown in its light, every other \
+           cell a little darker.",
     cases: Select::With(EXPERIMENT, "patches"),
     named_by: Names::Columns(&[("level", LEVEL), ("way", WAY)]),
     findings: &[|cases| patches_finding(cases)],
@@ -72,12 +72,13 @@ const WHAT_OF_IMAGES: &str = "The published image is of another model, and neith
 pub(super) const IMAGES: Section<'static> = Section {
     title: "Geometry images",
     caption: "The image by every stage that fetches its texels",
-    text: "A rabbit-like surface is where a sum of fields is 1. A program meshes it with irregular triangles, lays these \
-           on a sphere along the field's lines, folds that onto an octahedron and unfolds the octahedron onto a square \
-           of texels, each a place of the surface. Vulkan draws the square as points whose vertex shader fetches a \
-           texel, and as triangles: a geometry shader makes the 2 × 2 texels of a cell, as published, or another stage \
-           does. Errors are distances both ways in double precision: of seven places of each triangle from the surface, \
-           and of the irregular mesh's vertices, which lie on it, from the triangles. The published order of \
+    text: "A rabbit-like surface is where a sum of fields is 1. A program meshes it with irregular triangles, lays \
+           these on a sphere along the field's lines, folds that onto an octahedron and unfolds the octahedron onto a \
+           square of texels, each a place of the surface. Vulkan draws the square as points whose vertex shader \
+           fetches a texel, and as triangles: a geometry shader makes the 2 × 2 texels of a cell, as published, or \
+           another stage does. Errors are distances both ways in double precision: of seven places of each triangle \
+           from the surface, and of the irregular mesh's vertices, which lie on it, from the triangles. They are \
+           largest between and behind the ears, where those lines part and a texel spans most. The published order of \
            vertices cuts every cell one way, which in half of the square crosses the octahedron's folds. Pictures are \
            held against rays in double precision to the triangles as they are stored, points against projections.",
     cases: Select::With(EXPERIMENT, "image"),
@@ -126,6 +127,53 @@ pub(super) const IMAGES: Section<'static> = Section {
     more: &[|_| remark(WHAT_OF_IMAGES)],
     ..Section::EMPTY
 };
+
+const WHAT_OF_MODELS: &str = "The paper names deformable models among what it streamed and gives neither set-up nor time of them: there is nothing \
+     of it to compare.";
+
+pub(super) const DEFORMED: Section<'static> = Section {
+    title: "Deformed models",
+    caption: "A model deformed once and kept, or in each drawing",
+    text: "A dozen dents deform the rabbit of the geometry images. Vulkan draws it from either side into the halves \
+           of one picture, by indices, twice or more often. Its vertices are deformed by the vertex shader in each \
+           drawing; or once by vertices, which transform feedback streams into a buffer that the drawings read; or \
+           once by compute. Halves are held against rays in double precision to the triangles deformed in double \
+           precision, and kept vertices against those. Counters are those of the drawings alone.",
+    cases: Select::With(EXPERIMENT, "deformed"),
+    named_by: Names::Columns(&[("drawings", DRAWINGS), ("way", WAY)]),
+    findings: &[
+        |cases| deformed_finding(cases, DeformWay::Streamed),
+        |cases| deformed_finding(cases, DeformWay::Computed),
+    ],
+    columns: &[
+        Column::of("time, ms", FRAME),
+        ratios("time ÷ that of deforming anew", |cases, case| {
+            let anew = beside(cases, case, &[(WAY, DeformWay::Anew.name())]);
+            gain(Some(case), anew, frame_time(cases.clock()))
+        }),
+        Column::metric("vertices deformed", DEFORMED_VERTICES),
+        Column::metric("held", PIPELINE_HELD_BYTES),
+        Column::metric("kept vertices' error, m", KEPT_ERROR_M),
+        counter("vertices shaded", PIPELINE_VERTEX_INVOCATIONS),
+        counter("primitives", PIPELINE_PRIMITIVES),
+        Column::metric("pixels in the band", PIPELINE_BAND_PX),
+    ],
+    pictures: &[("picture", "")],
+    more: &[|_| remark(WHAT_OF_MODELS)],
+    ..Section::EMPTY
+};
+
+/// That keeping what was deformed is faster than deforming it in both drawings.
+fn deformed_finding(cases: &Cases<'_>, way: DeformWay) -> Finding {
+    let ways = [DeformWay::Anew, way].map(DeformWay::name);
+    let pairs = cases.with(&[(DRAWINGS, "2")]).pairs(WAY, ways, &[]);
+    let claim = format!(
+        "A model drawn twice takes less time deformed once, {}, than in each drawing:",
+        way.name()
+    );
+    let time = (frame_time(cases.clock()), WHOLE);
+    compared(cases, (WAY, &[]), time, &pairs, (claim, Claim::Faster))
+}
 
 fn published_image(case: &Case) -> Option<String> {
     let is_published = case.condition(TEXELS) == IMAGE_TEXELS.to_string()
@@ -256,5 +304,63 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
             significant(best.value),
         ))
     };
-    patches().into_iter().chain(images()).collect()
+    let models = || {
+        let own = cases.with(&[(EXPERIMENT, "deformed")]);
+        let (drawings, own) = of_most(&own, DRAWINGS, metric)?;
+        let best = own.best(metric)?;
+        Some(format!(
+            "A deformed model that is drawn {drawings} times a frame is drawn fastest by {}{}: {} ms.",
+            best.case.condition(WAY),
+            best.tied_with(|case| case.condition(WAY).to_owned()),
+            significant(best.value),
+        ))
+    };
+    patches()
+        .into_iter()
+        .chain(images())
+        .chain(models())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::Standing;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    #[test]
+    fn errors_that_do_not_fall_and_folds_that_err_more_are_said() {
+        let standings = |exponent: i32, fold: f64| {
+            let mut made = MadeUpRun::default();
+            let mut add = |name: &str, conditions: &[(&str, &str)], figure: (&'static str, f64)| {
+                let case = made.case(case_id(crate::STUDY, name, conditions));
+                case.figure(figure.0, figure.1);
+            };
+            for level in [2, 4, 8] {
+                let error = f64::from(level).powi(exponent);
+                let level = level.to_string();
+                let conditions = [
+                    ("experiment", "patches"),
+                    ("way", "geometry-row"),
+                    ("level", level.as_str()),
+                ];
+                add(&level, &conditions, ("surface_error_max_m", error));
+            }
+            for (cut, error) in [("published", 1.0), ("fold", fold)] {
+                let conditions = [
+                    ("experiment", "image"),
+                    ("texels", "65"),
+                    ("way", "no-vertex-buffer"),
+                    ("cut", cut),
+                    ("stored", "f32"),
+                ];
+                add(cut, &conditions, ("surface_error_rms_m", error));
+            }
+            let found = requirements(&Cases::of_study(&made.loaded(), crate::STUDY));
+            found.iter().map(|of| of.standing).collect::<Vec<_>>()
+        };
+        assert_eq!(standings(-2, 0.4), [Standing::Holds; 2]);
+        // Negative controls.
+        assert_eq!(standings(-1, 1.1), [Standing::DoesNotHold; 2]);
+    }
 }

@@ -9,6 +9,6 @@ mod study;
 mod tetrahedra;
 mod way;
 
-pub(crate) use square::CellCut;
+pub(crate) use square::{CellCut, rabbit_mesh};
 pub(crate) use study::group;
 pub(crate) use way::ImageWay;

@@ -116,6 +116,14 @@ pub(crate) fn image(sphere: &Sphere, cells: u32, stored: Stored) -> Vec<DVec3> {
     places
 }
 
+/// The surface as triangles of an image cut along its folds.
+pub(crate) fn rabbit_mesh(cells: u32) -> Mesh {
+    let places = image(&sphere(), cells, Stored::Float);
+    Mesh::new(places, cells, |column, row| {
+        CellCut::Fold.of(cells, column, row)
+    })
+}
+
 /// Texels of the sides that are not where the one is that they are folded onto: cracks.
 pub(crate) fn open_texels(places: &[DVec3], cells: u32) -> usize {
     let (last, side) = (cells as usize, cells as usize + 1);
