@@ -9,7 +9,7 @@ use crate::queries::{Queries, QueryKind, Span};
 use crate::readback::let_host_read;
 use crate::shader_modules::ModuleKey;
 use crate::targets::framebuffer;
-use crate::{Buffer, BufferUse, Dispatch, Gpu, Resources};
+use crate::{Buffer, BufferUse, ComputePipeline, Gpu, Resources};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
@@ -80,6 +80,15 @@ impl CapturePipeline {
             resources: Arc::clone(resources),
         })
     }
+}
+
+/// Workgroups of a compute shader, whose results what comes after sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Dispatch<'a> {
+    /// Shader and its resources.
+    pub pipeline: &'a ComputePipeline,
+    /// Workgroups.
+    pub groups: [u32; 3],
 }
 
 /// One step.

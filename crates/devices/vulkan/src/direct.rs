@@ -5,8 +5,8 @@ use crate::capture::{let_all_see, record_step};
 use crate::queries::{Queries, QueryKind, Span};
 use crate::render_targets::SURFACE_STAMPS;
 use crate::{
-    Buffer, BufferUse, ComputePipeline, DrawPipeline, IndexWidth, Measured, PassStatistics,
-    RenderTargets, StateStep,
+    Buffer, BufferUse, Dispatch, DrawPipeline, IndexWidth, Measured, PassStatistics, RenderTargets,
+    StateStep,
 };
 use ash::vk;
 use std::ops::Range;
@@ -43,15 +43,6 @@ pub struct DirectDraw<'a> {
     pub vertices: Option<&'a Buffer>,
     /// What is drawn.
     pub call: DrawCall<'a>,
-}
-
-/// Work before the draw, which sees what it wrote.
-#[derive(Debug, Clone, Copy)]
-pub struct Dispatch<'a> {
-    /// Shader and its resources.
-    pub pipeline: &'a ComputePipeline,
-    /// Workgroups.
-    pub groups: [u32; 3],
 }
 
 /// What was measured; absent where the device cannot, or it was not asked for.

@@ -61,10 +61,10 @@ pub use block_image::BlockImage;
 pub use features::Features;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
-pub use capture::{CapturePipeline, StateStep, StepReport, advance};
+pub use capture::{CapturePipeline, Dispatch, StateStep, StepReport, advance};
 pub use deliberate_error::make_deliberate_error;
 pub use depth_copy::DepthCopy;
-pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};
+pub use direct::{DirectDraw, DirectReport, DrawCall};
 pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, PrimitiveStages, Shader};
 pub use fill::{VolumeFill, VulkanVolumes};
 pub use image::ImageShape;
