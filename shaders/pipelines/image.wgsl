@@ -17,7 +17,15 @@ fn texel_of(vertex: u32) -> vec2<u32> {
     return vec2<u32>(vertex % side, vertex / side);
 }
 
-// A point a texel; or a vertex by its index, whose triangle the fragment knows.
+// A vertex by its index, whose triangle the fragment knows.
+@vertex
+fn indexed(
+    @builtin(vertex_index) vertex: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    return image_clip(texel_of(vertex));
+}
+
+// A point a texel.
 @vertex
 fn fetched(@builtin(vertex_index) vertex: u32) -> Varying {
     return Varying(image_clip(texel_of(vertex)), vertex + 1u);

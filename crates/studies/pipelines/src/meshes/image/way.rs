@@ -124,7 +124,7 @@ impl ImageWay {
         let vertex = |entry_point, topology| numbered(wgsl(IMAGE, entry_point), None, topology);
         let stages = match self {
             Self::Points => vertex("fetched", Topology::Points),
-            Self::Indexed => vertex("fetched", Topology::Triangles),
+            Self::Indexed => vertex("indexed", Topology::Triangles),
             Self::NoBuffer => vertex("no_buffer", Topology::Triangles),
             Self::Placed => vertex("placed_before", Topology::Triangles),
             Self::Geometry => {
