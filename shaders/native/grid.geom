@@ -6,7 +6,10 @@
 // published in 2007, or with PER_ROW as a strip a row, which fetches inner columns once. With IMAGE the
 // cells are those of a geometry image.
 layout(points) in;
-#ifdef PER_ROW
+#ifdef DECLARED
+// More than are emitted: what some devices pay for.
+layout(triangle_strip, max_vertices = DECLARED) out;
+#elif defined(PER_ROW)
 layout(triangle_strip, max_vertices = 2 * CELLS * (CELLS + 1)) out;
 #else
 layout(triangle_strip, max_vertices = 4 * CELLS * CELLS) out;

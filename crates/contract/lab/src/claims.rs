@@ -6,6 +6,7 @@
 //! why it allows for so much is checked here.
 
 use crate::comparison::{overall, sentences};
+use crate::published::{PublishedRatio, PublishedTable, published, table_problem};
 use crate::settling::full_command;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -81,6 +82,12 @@ pub struct Claimed<T> {
     /// What explains our figure where no counter of a run does.
     #[serde(default)]
     pub because: String,
+    /// Ratios of its tables that the claim rests on.
+    #[serde(default)]
+    pub published: Vec<PublishedRatio>,
+    /// Whose chapter has it, where several studies share a document.
+    #[serde(default)]
+    pub study: String,
     /// How.
     pub test: T,
 }
@@ -104,6 +111,9 @@ pub struct Paper<T> {
     /// Cases that claims name, each with its conditions.
     #[serde(default)]
     pub cases: BTreeMap<String, String>,
+    /// Figures that it printed.
+    #[serde(default, rename = "table")]
+    pub tables: Vec<PublishedTable>,
     /// Quotations within experiments: the words, and the place where they stand.
     #[serde(default)]
     pub quoted: Vec<[String; 2]>,
@@ -148,7 +158,8 @@ impl<T: DeserializeOwned + Tested> Paper<T> {
         })?;
         for (place, claimed) in paper.claims.iter().enumerate() {
             let earlier = &paper.claims[..place];
-            if let Some(problem) = problem(claimed, earlier) {
+            let of_table = || table_problem(&paper.tables, &claimed.published);
+            if let Some(problem) = problem(claimed, earlier).or_else(of_table) {
                 return Err(PaperError::Claim {
                     file: file.to_owned(),
                     words: claimed.words.clone(),
@@ -223,6 +234,12 @@ impl ClaimAnswer {
 }
 
 impl<T> Paper<T> {
+    /// Its figure in words, and what its tables say.
+    fn figure(&self, claimed: &Claimed<T>) -> String {
+        let tables = published(&self.tables, &claimed.published);
+        sentences(std::iter::once(claimed.figure.clone()).chain(tables))
+    }
+
     /// What a run says of each claim, in order, with what explains it or the command that would measure it.
     ///
     /// - `study`: that tests the claims
@@ -280,7 +297,7 @@ pub fn claims_blocks<T: Tested>(
             .map(Heading::plain)
             .into(),
             rows: rows()
-                .map(|(claimed, answer)| row(claimed, answer))
+                .map(|(claimed, answer)| row(paper, claimed, answer))
                 .collect(),
             layout: TableLayout::Cards,
             ..Table::default()
@@ -288,7 +305,7 @@ pub fn claims_blocks<T: Tested>(
     ]
 }
 
-fn row<T>(claimed: &Claimed<T>, answer: &ClaimAnswer) -> Row {
+fn row<T>(paper: &Paper<T>, claimed: &Claimed<T>, answer: &ClaimAnswer) -> Row {
     let or_absent = |text: &str, why: &str| match text {
         "" => Cell::absent(why),
         text => Cell::name(text),
@@ -297,7 +314,7 @@ fn row<T>(claimed: &Claimed<T>, answer: &ClaimAnswer) -> Row {
         Standing::CannotBeTested | Standing::NotMeasured => answer.reason.as_str(),
         _ => "none",
     };
-    let figure = or_absent(&claimed.figure, "the document's text has none");
+    let figure = or_absent(&paper.figure(claimed), "the document's text has none");
     Row::new(vec![
         Cell {
             detail: claimed.place.clone(),
@@ -339,11 +356,14 @@ fn tally<T>(paper: &Paper<T>, answers: &[ClaimAnswer]) -> String {
     )
 }
 
-/// `claims.csv`: the table as data.
+/// The table as data.
+///
+/// - `file`: its name, `claims.csv`
 ///
 /// # Errors
 /// [`ChapterError`] when it cannot be written.
 pub fn claims_table<T>(
+    file: &str,
     paper: &Paper<T>,
     answers: &[ClaimAnswer],
 ) -> Result<DerivedTable, ChapterError> {
@@ -362,14 +382,14 @@ pub fn claims_table<T>(
             claimed.words.clone(),
             claimed.place.clone(),
             claimed.basis.name().to_owned(),
-            claimed.figure.clone(),
+            paper.figure(claimed),
             claimed.experiment.clone(),
             answer.ours.clone(),
             answer.standing.name().to_owned(),
             answer.reason.clone(),
         ]
     });
-    DerivedTable::new("claims.csv", &header, rows)
+    DerivedTable::new(file, &header, rows)
 }
 
 #[cfg(test)]
@@ -508,7 +528,7 @@ mod tests {
             (absent.class, absent.title.as_str()),
             (CellClass::Absent, "no figure says so")
         );
-        let table = claims_table(&paper, &answers).expect("a table");
+        let table = claims_table("claims.csv", &paper, &answers).expect("a table");
         assert!(
             table
                 .text

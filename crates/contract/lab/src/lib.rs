@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How chapters are made. A [`Section`] says as data which cases it is about, what names a row, and what its columns
 //! and curves are; [`Cases`] finds figures. A [`Comparison`] holds two cases side by side, and refuses what cannot be
-//! compared. A [`Paper`] has the claims of one document, as read from its file. [`Timings`] rank cases; [`ablation`]
+//! compared. A [`Paper`] has the claims of one document, as read from its file, and [`StudyClaims`]
+//! those that cases of a study test. [`Timings`] rank cases; [`ablation`]
 //! says what each step gains, and [`cheapest_within`] what a reader's budget buys.
 
 mod ablation;
 mod budget;
+mod case_claims;
 mod cases;
 mod claims;
 mod comparison;
@@ -14,6 +16,8 @@ mod figure;
 mod lines;
 #[cfg(test)]
 mod made_up;
+mod published;
+mod quotations;
 mod section;
 mod settling;
 mod timings;
@@ -23,6 +27,9 @@ pub use ablation::{
     missing_steps, work_exponent,
 };
 pub use budget::{Contender, cheapest_within, some_of};
+pub use case_claims::{
+    Bound, CaseFigures, CaseGrowth, CaseRatio, CaseTest, ClaimedTime, StudyClaims,
+};
 pub use cases::{
     Best, Cases, distinct, finding, grouped, in_every_group, log_slope, measured, none_differs,
     range,
@@ -34,6 +41,7 @@ pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, is_more, ove
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
+pub use published::{PublishedRatio, PublishedTable};
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
 pub use settling::{
     answers_with_commands, bench_command, full_command, scene_argument, with_commands,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A section of a chapter as data: which cases, what names a row, columns, plot and pictures.
 
+use crate::case_claims::StudyClaims;
 use crate::cases::{Cases, measured};
 use crate::curves::Drawing;
 use crate::figure::{Figure, Names};
@@ -9,9 +10,9 @@ use crate::settling::{answers_with_commands, with_commands};
 use terrafill_plot::dotted;
 use terrafill_plot::number::{digits, measured_bytes, significant, spread, times};
 use terrafill_results::{
-    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, ConditionKey, Estimate,
-    Finding, Heading, Kind, Metric, NOT_MEASURED, Outcome, Picture, PictureFigure, Pictures, Row,
-    Run, Table, Term, Timer, sample_spread,
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, ConditionKey,
+    DerivedTable, Estimate, Finding, Heading, Kind, Metric, NOT_MEASURED, Outcome, Picture,
+    PictureFigure, Pictures, Row, Run, Table, Term, Timer, sample_spread,
 };
 
 /// Why a case that ended well has no figure of a column. Others have their own reason.
@@ -383,6 +384,8 @@ pub struct SectionedChapter {
     pub answers: fn(&Cases<'_>) -> Answers,
     /// In their order.
     pub sections: &'static [Section<'static>],
+    /// Claims of a document, which its last section tests.
+    pub claims: Option<&'static StudyClaims>,
 }
 
 impl Chapter for SectionedChapter {
@@ -423,7 +426,19 @@ impl Chapter for SectionedChapter {
         for section in self.sections {
             blocks.extend(section.blocks(&cases)?);
         }
+        if let Some(claims) = self.claims {
+            blocks.extend(claims.blocks(&cases)?);
+        }
         Ok(with_commands(blocks, run, self.study))
+    }
+
+    fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
+        let cases = Cases::of_study(run, self.study);
+        let claims = self.claims.filter(|_| !cases.is_empty());
+        claims
+            .map(|claims| claims.table(&cases))
+            .into_iter()
+            .collect()
     }
 }
 

@@ -282,6 +282,9 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/grid.geom", "native/grid.cell2.spv", Geometry, ["CELLS=2"];
     "native/grid.geom", "native/grid.cell4.spv", Geometry, ["CELLS=4"];
     "native/grid.geom", "native/grid.cell8.spv", Geometry, ["CELLS=8"];
+    "native/grid.geom", "native/grid.cell1.declared128.spv", Geometry, ["CELLS=1", "DECLARED=128"];
+    "native/grid.geom", "native/grid.cell2.declared128.spv", Geometry, ["CELLS=2", "DECLARED=128"];
+    "native/grid.geom", "native/grid.cell4.declared128.spv", Geometry, ["CELLS=4", "DECLARED=128"];
     "native/grid.geom", "native/grid.row2.spv", Geometry, ["CELLS=2", "PER_ROW"];
     "native/grid.geom", "native/grid.row4.spv", Geometry, ["CELLS=4", "PER_ROW"];
     "native/grid.geom", "native/grid.row8.spv", Geometry, ["CELLS=8", "PER_ROW"];

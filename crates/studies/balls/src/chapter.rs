@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on balls: error against step and against time, orders, bottoms of f32, energy, findings.
 
+mod claims;
 mod devices;
 mod drawn;
 mod number;
@@ -36,7 +37,8 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            surface a spring of stiffness k/m pushes them out, or they are reflected. The reference is the \
            closed form in double precision. State gap: the height above the ground is stored; state height: the \
            height above the ellipsoid, with the ground at 1 km. Times are process CPU time of a second of a \
-           ball. Runs of which more than half the balls blew up are at the upper edge of the plots.",
+           ball. Runs of which more than half the balls blew up are at the upper edge of the plots. What \
+           Patidar, Bhattacharjee, Singh and Narayanan (2007) claim of balls on a device is the last section.",
     terms: crate::metrics::TERMS,
     primary: Figure::Metric(BALL_CPU_US),
     answers,
@@ -54,6 +56,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         devices::SECTION,
         drawn::SECTION,
     ],
+    claims: Some(&claims::CLAIMS),
 };
 
 /// Error against step and against time, a plot for each arithmetic.

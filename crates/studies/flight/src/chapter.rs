@@ -70,6 +70,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         pictures: &[(IMAGE, "the last frame, which is compared")],
         ..Section::EMPTY
     }],
+    claims: None,
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {

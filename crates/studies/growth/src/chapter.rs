@@ -52,6 +52,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         }),
         ..Section::EMPTY
     }],
+    claims: None,
 };
 
 /// How many times as long ten times the vertices take, for each shape that was planned in both sizes.

@@ -74,6 +74,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         pictures: &[("image", "the last frame compared")],
         ..Section::EMPTY
     }],
+    claims: None,
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {

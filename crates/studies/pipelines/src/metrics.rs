@@ -9,6 +9,7 @@ terrafill_results::conditions! {
     BLOCKS = "blocks", "how many blocks a cache holds";
     CELLS_PER_POINT = "cells_per_point", "cells that the geometry shader makes of each point";
     CUT = "cut", "how the cells of a geometry image are cut: as published, or along the folds of its octahedron";
+    DECLARED = "declared", "vertices that the geometry shader declares at most";
     DEPTH = "depth", "format of the depths that variances are made of";
     DRAWINGS = "drawings", "how often a deformed model is drawn in a frame";
     EXPERIMENT = "experiment", "which question of the chapter";

@@ -233,14 +233,19 @@ fn stages(way: Submission, adapter: &str) -> Result<(PrimitiveStages, Shader), D
         Submission::NoBuffer => numbered(wgsl(GRID, "no_buffer"), None, triangles),
         Submission::ComputeIndirect => numbered(wgsl(GRID, "placed_before"), None, triangles),
         Submission::IndexedPatch => numbered(wgsl(PATCH, "vertex_main"), None, triangles),
-        Submission::Geometry { cells, strips, .. } => {
-            let name = geometry_shader(cells, strips).ok_or_else(|| {
+        Submission::Geometry {
+            cells,
+            strips,
+            declared,
+            ..
+        } => {
+            let name = geometry_shader(cells, strips, declared).ok_or_else(|| {
                 let what = format!("a geometry shader of {cells} × {cells} cells");
                 DeviceError::unsupported(&what, adapter)
             })?;
             let output = GeometryOutput {
                 name,
-                vertices: emitted_by_point(cells, strips),
+                vertices: declared.unwrap_or_else(|| emitted_by_point(cells, strips)),
                 components: COMPONENTS,
             };
             vertices("numbered_point", Some(output), word, Topology::Points)

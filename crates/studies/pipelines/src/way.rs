@@ -69,6 +69,8 @@ pub(crate) enum Submission {
         cells: u32,
         strips: Strips,
         source: Source,
+        /// Vertices that the shader declares at most; `None` for as many as it emits.
+        declared: Option<u32>,
     },
     /// The vertex shader has vertices' numbers and nothing else.
     NoBuffer,
@@ -89,6 +91,7 @@ pub(crate) const GRID_WAYS: [Submission; 8] = [
         cells: 1,
         strips: Strips::Cell,
         source: Source::Stored,
+        declared: None,
     },
     Submission::NoBuffer,
     Submission::IndexedPatch,
@@ -240,8 +243,26 @@ pub(crate) fn emitted_by_point(cells: u32, strips: Strips) -> u32 {
     }
 }
 
+/// Most vertices of an invocation of a geometry shader as published: what may be declared whatever is emitted.
+pub(crate) const DECLARED_VERTICES: u32 = 128;
+
+/// Of a case, that a geometry shader declares no more vertices than it emits.
+pub(crate) const AS_EMITTED: &str = "as emitted";
+
 /// The SPIR-V of a geometry shader.
-pub(crate) fn geometry_shader(cells: u32, strips: Strips) -> Option<&'static str> {
+pub(crate) fn geometry_shader(
+    cells: u32,
+    strips: Strips,
+    declared: Option<u32>,
+) -> Option<&'static str> {
+    if declared.is_some() {
+        return match (cells, strips, declared) {
+            (1, Strips::Cell, Some(DECLARED_VERTICES)) => Some("native/grid.cell1.declared128.spv"),
+            (2, Strips::Cell, Some(DECLARED_VERTICES)) => Some("native/grid.cell2.declared128.spv"),
+            (4, Strips::Cell, Some(DECLARED_VERTICES)) => Some("native/grid.cell4.declared128.spv"),
+            _ => None,
+        };
+    }
     match (cells, strips) {
         // A row of one cell is a cell.
         (1, _) => Some("native/grid.cell1.spv"),
@@ -311,6 +332,7 @@ mod tests {
                 cells,
                 strips,
                 source: Source::Sent,
+                declared: None,
             })
         };
         assert_eq!(geometry(1, Strips::Cell), [4 * 64 * 64, 4 * 64 * 64]);

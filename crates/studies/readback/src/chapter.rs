@@ -61,6 +61,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         }),
         ..Section::EMPTY
     }],
+    claims: None,
 };
 
 #[cfg(test)]

@@ -30,6 +30,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     primary: Figure::Metric(TIME),
     answers,
     sections: &SECTIONS,
+    claims: None,
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {

@@ -508,7 +508,7 @@ pub(super) fn table(
     data: &Data<'_>,
     ablations: &[Ablation<'_>],
 ) -> Result<DerivedTable, ChapterError> {
-    claims_table(&PAPER, &all(data, ablations))
+    claims_table("claims.csv", &PAPER, &all(data, ablations))
 }
 
 /// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while

@@ -1,34 +1,26 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
-use super::kit::{
-    FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
-};
-use super::published::AMPLIFICATION;
+use super::kit::{FRAME, beside, counter, frame_time, gain, of_most, ratios, said};
 use crate::metrics::*;
-use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
+use crate::way::AS_EMITTED;
+use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Finding};
-
-/// What the published table says, and what it does not.
-const WHAT_THEY_CANNOT_SHOW: &str = "The published table counts k × k generated vertices for a point, which is read here as (k/2)² cells of four \
-     vertices: it is the one reading under which all its rows draw the same triangles and none exceeds \
-     the driver's 128 vertices. Its text says that generating geometry saves bandwidth; its figures say \
-     that 4 and 16 times fewer points took 2.2 and 8.5 to 9.7 times as long. Points are sent as 4-byte \
-     numbers here.";
+use terrafill_results::{Case, Finding};
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Amplification",
     caption: "The same triangles by fewer and fewer points",
-    text: "The same triangles by fewer and fewer points: bytes and time, by the clock of height grids.",
+    text: "The same triangles by fewer and fewer points: bytes and time, by the clock of height grids. Points are 4-byte \
+           numbers. A geometry shader declares how many vertices it may emit at most: as many as it emits, or 128, the \
+           published cap, with the same vertices emitted.",
     cases: Select::With(EXPERIMENT, "amplify"),
-    findings: &[|cases| slower(cases, "4"), |cases| slower(cases, "16")],
-    more: &[|_| remark(WHAT_THEY_CANNOT_SHOW)],
     named_by: Names::Columns(&[
         ("cells a side", GRID_CELLS),
         ("points", SOURCE),
         ("cells a point", CELLS_PER_POINT),
         ("strip", STRIP),
+        ("vertices declared", DECLARED),
     ]),
     columns: &[
         Column::metric("sent a frame", PIPELINE_SENT_BYTES),
@@ -38,9 +30,15 @@ pub(super) const SECTION: Section<'static> = Section {
             gain(Some(case), first, frame_time(cases.clock()))
         })
         .meaning("with its 95 % interval"),
-        Column::of("the same, published", Figure::Words(published_of))
-            .meaning("ratio of frames per second, 8800 GTX")
-            .or("not published"),
+        ratios(
+            "time ÷ that of vertices declared as emitted",
+            |cases, case| {
+                let emitted = beside(cases, case, &[(DECLARED, AS_EMITTED)]);
+                let other = emitted.filter(|emitted| emitted.id() != case.id());
+                gain(Some(case), other, frame_time(cases.clock()))
+            },
+        )
+        .or("declared as emitted"),
         Column::metric("vertices given", PIPELINE_EMITTED_VERTICES),
         counter("geometry invocations", PIPELINE_GEOMETRY_INVOCATIONS),
         counter("primitives", PIPELINE_PRIMITIVES),
@@ -56,8 +54,9 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
     let (cells, of_largest) = of_most(&own, GRID_CELLS, metric)?;
     let best = of_largest.best(metric)?;
     let name = |case: &Case| {
-        let [count, strip] = [CELLS_PER_POINT, STRIP].map(|key| case.condition(key));
-        format!("{count} cells a point in strips of a {strip}")
+        let [count, strip, declared] =
+            [CELLS_PER_POINT, STRIP, DECLARED].map(|key| case.condition(key));
+        format!("{count} cells a point in strips of a {strip}, vertices declared: {declared}")
     };
     Some(format!(
         "Geometry shaders make {cells}² cells of stored points fastest with {}{}: {} ms for {} vertices given.",
@@ -94,51 +93,4 @@ pub(super) fn bytes_finding(cases: &Cases<'_>) -> Option<Finding> {
             said.join(", "),
         )
     })
-}
-
-/// How much faster than a cell a point so many cells a point are: below 1 where they are slower.
-fn slower(cases: &Cases<'_>, per_point: &str) -> Finding {
-    let own = cases.with(&[(STRIP, "cell")]);
-    let pairs = own.pairs(CELLS_PER_POINT, ["1", per_point], &[]);
-    let rows = AMPLIFICATION.iter().map(|row| row.cells.to_string());
-    let published: Vec<String> = rows
-        .flat_map(|cells| ["sent", "stored"].map(|source| published(&cells, per_point, source)))
-        .flatten()
-        .map(|slower| significant(1.0 / slower))
-        .collect();
-    let claim = format!(
-        "A frame of {per_point} cells a point is faster than one of a cell a point (implied; the published \
-         table says slower, {} times as fast):",
-        published.join("; ")
-    );
-    let time = (frame_time(cases.clock()), WHOLE);
-    compared(
-        cases,
-        (CELLS_PER_POINT, &[]),
-        time,
-        &pairs,
-        (claim, Claim::Faster),
-    )
-}
-
-/// Time over that of a cell a point.
-fn published(cells: &str, per_point: &str, source: &str) -> Option<f64> {
-    let row = AMPLIFICATION
-        .iter()
-        .find(|row| row.cells.to_string() == cells)?;
-    let fps = match source {
-        "sent" => row.sent_fps,
-        _ => row.stored_fps,
-    };
-    let column = ["1", "4", "16"]
-        .iter()
-        .position(|known| *known == per_point)?;
-    Some(fps[0] / fps[column])
-}
-
-fn published_of(case: &Case) -> Option<String> {
-    let [cells, per_point, strip, source] =
-        [GRID_CELLS, CELLS_PER_POINT, STRIP, SOURCE].map(|key| case.condition(key));
-    let known = published(cells, per_point, source).filter(|_| strip == "cell");
-    known.map(significant)
 }

@@ -1,24 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Height grids: every way of every size, and the published ratios beside ours.
+//! Height grids: every way of every size.
 
-use super::kit::{
-    FRAME, WHOLE, at_least, compared, counter, frame_time, gain, of_most, remark, said,
-};
-use super::published::{CARDS, GRIDS, GridRow};
+use super::kit::{FRAME, counter, frame_time, gain, of_most, said};
 use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
-use terrafill_results::{Block, Cell, Claim, Finding, Heading, Row, Table};
-
-/// What the published figures cannot show.
-const WHAT_THEY_CANNOT_SHOW: &str = "Published figures are frames per second, one a case. The window, the camera, the vertex formats and how \
-     vertices were sent are not stated, so fragments and transfers may be part of any of them. Columns 1 \
-     and 3 of that table draw points, 2 and 4 triangles: only 1 with 3 and 2 with 4 draw the same. The \
-     text's 14, 32 and 270 frames a second for 1000² fetched points agree with the table on the last card \
-     alone.";
-
-/// Sizes from which on the claims are read.
-const LEAST_CLAIMED: u32 = 256;
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Height grids",
@@ -39,12 +25,6 @@ pub(super) const SECTION: Section<'static> = Section {
     ],
     per: Some(API),
     is_main: true,
-    findings: &[
-        |cases| published_finding(cases, &COMPARISONS[0], "wgpu"),
-        |cases| published_finding(cases, &COMPARISONS[0], "vulkan"),
-        |cases| published_finding(cases, &COMPARISONS[1], "vulkan"),
-        |cases| published_finding(cases, &COMPARISONS[2], "vulkan"),
-    ],
     drawing: Some(Drawing {
         caption: "Time of a frame against the grid's points. Left out: what the interface lacks.",
         panels: &[Panel {
@@ -62,50 +42,8 @@ pub(super) const SECTION: Section<'static> = Section {
         }],
     }),
     pictures: &[("picture", "")],
-    more: &[
-        |cases| Ok(Some(Block::Table(comparisons(cases)))),
-        |_| remark(WHAT_THEY_CANNOT_SHOW),
-    ],
     ..Section::EMPTY
 };
-
-/// A comparison that was published.
-struct Published {
-    claim: &'static str,
-    /// Ways whose times are divided: first over second.
-    ways: [&'static str; 2],
-    says: Claim,
-    ratio: fn(&GridRow, usize) -> Option<f64>,
-}
-
-const COMPARISONS: [Published; 3] = [
-    Published {
-        claim: "Fetched heights beat sent points",
-        ways: ["sent-points", "fetched-points"],
-        says: Claim::Faster,
-        ratio: |row, card| Some(row.fps[card][2] / row.fps[card][0]),
-    },
-    Published {
-        claim: "Triangles of a geometry shader beat sent strips",
-        ways: ["sent-strips", "geometry-shader"],
-        says: Claim::Faster,
-        ratio: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][1]),
-    },
-    Published {
-        claim: "Triangles of a geometry shader cost more than fetched points, at most 0.8 of their rate",
-        ways: ["fetched-points", "geometry-shader"],
-        says: Claim::LessThan(0.8),
-        ratio: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][2]),
-    },
-];
-
-fn published_finding(cases: &Cases<'_>, published: &Published, api: &str) -> Finding {
-    let own = at_least(&cases.with(&[(API, api)]), GRID_CELLS, LEAST_CLAIMED);
-    let pairs = own.pairs(WAY, published.ways, &[]);
-    let claim = format!("{}, on {api} (published, measured):", published.claim);
-    let time = (frame_time(cases.clock()), WHOLE);
-    compared(cases, (WAY, &[]), time, &pairs, (claim, published.says))
-}
 
 /// The fastest way to draw the triangles of the largest grid on each interface, with the counters behind
 /// it, and by how much each published way of triangles is slower.
@@ -137,49 +75,6 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         Some(sentence + ".")
     };
     ["vulkan", "wgpu"].into_iter().filter_map(on).collect()
-}
-
-/// The published ratios beside ours.
-fn comparisons(cases: &Cases<'_>) -> Table {
-    let metric = frame_time(cases.clock());
-    let mut rows = Vec::new();
-    for comparison in &COMPARISONS {
-        for (cells, of_size) in cases.by(GRID_CELLS) {
-            let row = GRIDS.iter().find(|row| row.cells.to_string() == cells);
-            let published = |card| {
-                let ratio = row.and_then(|row| (comparison.ratio)(row, card));
-                let absent = match row {
-                    None => "not a published size",
-                    Some(_) => "this card has no geometry shaders",
-                };
-                Cell::or_absent(ratio.map(significant), absent)
-            };
-            let measured = |api: &str| {
-                if api == "wgpu" && comparison.ways.contains(&"geometry-shader") {
-                    return Cell::absent("WebGPU has no geometry shaders");
-                }
-                let own = of_size.with(&[(API, api)]);
-                let [slow, fast] = comparison.ways.map(|way| own.with(&[(WAY, way)]).first());
-                let gain = gain(slow, fast, metric);
-                Cell::or_absent(gain.as_ref().map(times), "not measured")
-            };
-            let [slow, fast] = comparison.ways;
-            let mut row = vec![Cell::name(format!("{slow} ÷ {fast}")), Cell::plain(cells)];
-            row.extend((0..CARDS.len()).map(published));
-            row.extend(["vulkan", "wgpu"].map(measured));
-            rows.push(Row::new(row));
-        }
-    }
-    let names = ["time of … ÷ time of …", "cells a side"].map(Heading::plain);
-    let cards = CARDS.map(|card| Heading::explained(card, "published: ratio of frames per second"));
-    let ours = ["here, vulkan", "here, wgpu"];
-    let ours = ours.map(|api| Heading::explained(api, "ratio of times, with its 95 % interval"));
-    Table {
-        caption: "How many times as fast the second way is as the first".to_owned(),
-        headings: names.into_iter().chain(cards).chain(ours).collect(),
-        rows,
-        ..Table::default()
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@
 use super::kit::{
     FRAME, WHOLE, beside, compared, counter, frame_time, gain, of_most, ratios, remark, said,
 };
-use super::published::{IMAGE_FPS, IMAGE_TEXELS};
 use crate::meshes::{CellCut, DeformWay, Division, ImageWay, MAX_PATCH_CELLS};
 use crate::metrics::*;
 use terrafill_lab::{
@@ -88,7 +87,7 @@ pub(super) const IMAGES: Section<'static> = Section {
         ("cut", CUT),
         ("stored", STORED),
     ]),
-    findings: &[|cases| image_finding(cases), |cases| fetched_finding(cases)],
+    findings: &[|cases| fetched_finding(cases)],
     drawing: Some(Drawing {
         caption: "Error against time: along each curve the texels rise.",
         panels: &[Panel {
@@ -110,9 +109,6 @@ pub(super) const IMAGES: Section<'static> = Section {
             let points = beside(cases, case, &[(WAY, ImageWay::Points.name())]);
             gain(Some(case), points, frame_time(cases.clock()))
         }),
-        Column::of("the same, published", Figure::Words(published_image))
-            .meaning("ratio of frames per second, 8800 GTX")
-            .or("not published"),
         Column::metric("rms, m", SURFACE_ERROR_RMS_M),
         Column::metric("largest distance, m", SURFACE_ERROR_MAX_M),
         Column::metric("largest, px", SURFACE_ERROR_PX),
@@ -173,32 +169,6 @@ fn deformed_finding(cases: &Cases<'_>, way: DeformWay) -> Finding {
     );
     let time = (frame_time(cases.clock()), WHOLE);
     compared(cases, (WAY, &[]), time, &pairs, (claim, Claim::Faster))
-}
-
-fn published_image(case: &Case) -> Option<String> {
-    let is_published = case.condition(TEXELS) == IMAGE_TEXELS.to_string()
-        && case.condition(WAY) == ImageWay::Geometry.name();
-    is_published.then(|| significant(IMAGE_FPS[0] / IMAGE_FPS[1]))
-}
-
-/// What is published of the image: triangles of the geometry shader against points.
-fn image_finding(cases: &Cases<'_>) -> Finding {
-    let ways = [ImageWay::Points, ImageWay::Geometry].map(ImageWay::name);
-    let own = cases.with(&[(TEXELS, &IMAGE_TEXELS.to_string())]);
-    let pairs = own.pairs(WAY, ways, &[]);
-    let claim = format!(
-        "A geometry image of 257 × 257 is drawn as triangles by the geometry shader at less than 0.8 times the frames of \
-         points (published {}):",
-        significant(IMAGE_FPS[1] / IMAGE_FPS[0])
-    );
-    let time = (frame_time(cases.clock()), WHOLE);
-    compared(
-        cases,
-        (WAY, &[]),
-        time,
-        &pairs,
-        (claim, Claim::LessThan(0.8)),
-    )
 }
 
 /// That the stage of 2007 is not needed for triangles of fetched texels.

@@ -1,0 +1,663 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Claims of a document that are tested by cases of a study, which conditions select: ratios of two cases, figures
+//! within a bound, and exponents of growth. What differs between studies is data.
+
+use crate::cases::{Cases, log_slope, measured, range};
+use crate::claims::{ClaimAnswer, Paper, PaperError, Tested, claims_blocks, claims_table};
+use crate::comparison::{Answer, Comparison, Follows, overall, sentences};
+use crate::settling::bench_command;
+use crate::timings::{band_sentence, sums_by_process};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use terrafill_plot::number::{figure, significant, times};
+use terrafill_results::threshold::MIN_REPLICATES;
+use terrafill_results::{
+    Block, Case, ChapterError, Claim, Clock, DerivedTable, Estimate, Kind, Metric, Noise, Scope,
+    Standing, over_processes, process_medians, typical,
+};
+
+/// Conditions by name, each with the values that fit.
+type Conditions = BTreeMap<String, Vec<String>>;
+
+/// Two cases that differ in one condition.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CaseRatio {
+    /// Which figure: a metric by its name, or a time as the study calls it.
+    pub figure: String,
+    /// The condition that differs.
+    pub changes: String,
+    /// Its values: the first's figure over the second's.
+    pub of: [String; 2],
+    /// Which cases.
+    pub with: Conditions,
+    /// Conditions that name a pair.
+    #[serde(default)]
+    pub named_by: Vec<String>,
+    /// Conditions that follow from the change, each with why.
+    #[serde(default)]
+    pub follows: BTreeMap<String, String>,
+    /// Whether figures are added up over all pairs, so that one ratio is of all of them.
+    #[serde(default)]
+    pub is_summed: bool,
+    /// Of the ratio.
+    pub expects: Claim,
+}
+
+/// Where figures must lie.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Bound {
+    /// At 0.
+    None,
+    /// At or below this.
+    AtMost(f64),
+    /// Within both, ends included.
+    Between([f64; 2]),
+}
+
+/// A figure of cases, all of which must be within a bound.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CaseFigures {
+    /// As of [`CaseRatio`].
+    pub figure: String,
+    /// Which cases.
+    pub with: Conditions,
+    /// Where all must lie.
+    pub is: Bound,
+}
+
+/// The exponent by which a figure grows with a condition that is a number.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct CaseGrowth {
+    /// As of [`CaseRatio`].
+    pub figure: String,
+    /// The condition that grows.
+    pub over: String,
+    /// Which cases.
+    pub with: Conditions,
+    /// Conditions that name a series.
+    #[serde(default)]
+    pub named_by: Vec<String>,
+    /// Where the exponent must lie.
+    pub between: [f64; 2],
+}
+
+/// How a claim is tested by cases.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum CaseTest {
+    /// By the ratio of two cases, in each pair that a run has.
+    Ratio(CaseRatio),
+    /// By figures.
+    Figures(CaseFigures),
+    /// By growth.
+    Growth(CaseGrowth),
+    /// Not at all, and why or what would.
+    No(String),
+}
+
+impl Tested for CaseTest {
+    fn expects(&self) -> Option<Claim> {
+        match self {
+            Self::Ratio(ratio) => Some(ratio.expects),
+            _ => None,
+        }
+    }
+
+    fn cannot(&self) -> Option<&str> {
+        match self {
+            Self::No(why) => Some(why),
+            _ => None,
+        }
+    }
+}
+
+/// A time by a name that claims use, which the clock of a run picks.
+#[derive(Debug, Clone, Copy)]
+pub struct ClaimedTime {
+    /// In files.
+    pub name: &'static str,
+    /// Where a GPU does the work, and where the CPU does.
+    pub by: [&'static Metric; 2],
+    /// What it must cover.
+    pub needs: Scope,
+}
+
+/// A document's claims that a study tests.
+#[derive(Debug, Clone, Copy)]
+pub struct StudyClaims {
+    /// The study, by whose name the claims are its own.
+    pub study: &'static str,
+    /// Heading of the section.
+    pub title: &'static str,
+    /// The file's name, for errors, and its text.
+    pub file: [&'static str; 2],
+    /// Times that are compared; the first one says what is no difference.
+    pub times: &'static [ClaimedTime],
+    /// What the study measures.
+    pub metrics: &'static [Metric],
+}
+
+/// Each pair, series or figure of a claim, and what it says.
+type Views = Vec<(String, Standing)>;
+
+/// A claim's cases.
+struct Evidence<'c, 'a> {
+    claims: &'c StudyClaims,
+    cases: &'c Cases<'a>,
+}
+
+impl StudyClaims {
+    /// The study's own claims.
+    ///
+    /// # Errors
+    /// [`PaperError`] for a file that cannot be used.
+    pub fn paper(&self) -> Result<Paper<CaseTest>, PaperError> {
+        let [file, text] = self.file;
+        let mut paper: Paper<CaseTest> = Paper::parse(file, text)?;
+        paper.claims.retain(|claimed| claimed.study == self.study);
+        Ok(paper)
+    }
+
+    fn read(&self) -> Result<Paper<CaseTest>, ChapterError> {
+        self.paper().map_err(|error| ChapterError::Block {
+            what: self.title.to_owned(),
+            message: error.to_string(),
+        })
+    }
+
+    fn answered(
+        &self,
+        cases: &Cases<'_>,
+    ) -> Result<(Paper<CaseTest>, Vec<ClaimAnswer>), ChapterError> {
+        let paper = self.read()?;
+        let evidence = Evidence {
+            claims: self,
+            cases,
+        };
+        let environment = &cases.run().environment;
+        let answers = paper.answers(environment, self.study, |test| evidence.answer(test));
+        Ok((paper, answers))
+    }
+
+    /// The section.
+    ///
+    /// # Errors
+    /// [`ChapterError`] for a file that cannot be used.
+    pub fn blocks(&self, cases: &Cases<'_>) -> Result<Vec<Block>, ChapterError> {
+        let (paper, answers) = self.answered(cases)?;
+        let noise = self
+            .times
+            .first()
+            .and_then(|time| cases.noise(time.of(cases.clock())));
+        Ok(claims_blocks(
+            self.title,
+            &paper,
+            &answers,
+            &band_sentence(noise),
+        ))
+    }
+
+    /// The same as data, `claims-STUDY.csv`.
+    ///
+    /// # Errors
+    /// [`ChapterError`] for a file that cannot be used or a table that cannot be written.
+    pub fn table(&self, cases: &Cases<'_>) -> Result<DerivedTable, ChapterError> {
+        let (paper, answers) = self.answered(cases)?;
+        claims_table(&format!("claims-{}.csv", self.study), &paper, &answers)
+    }
+
+    /// Claims whose test names a figure that the study does not measure, or selects none of these cases.
+    ///
+    /// # Errors
+    /// [`PaperError`] for a file that cannot be used.
+    pub fn untestable(&self, cases: &Cases<'_>) -> Result<Vec<String>, PaperError> {
+        let evidence = Evidence {
+            claims: self,
+            cases,
+        };
+        let claims = self.paper()?.claims.into_iter();
+        let wrong = claims.filter(|claimed| !evidence.is_testable(&claimed.test));
+        Ok(wrong.map(|claimed| claimed.words).collect())
+    }
+}
+
+impl ClaimedTime {
+    fn of(&self, clock: Clock) -> &'static Metric {
+        let [gpu, cpu] = self.by;
+        clock.pick(gpu, cpu)
+    }
+}
+
+fn fits(case: &Case, with: &Conditions) -> bool {
+    let mut with = with.iter();
+    with.all(|(key, values)| {
+        values
+            .iter()
+            .any(|value| case.condition_named(key) == value)
+    })
+}
+
+/// Values of some conditions, those that a case has.
+fn title(case: &Case, named_by: &[String]) -> String {
+    let values = named_by.iter().map(|key| case.condition_named(key));
+    let values: Vec<&str> = values.filter(|value| !value.is_empty()).collect();
+    values.join(" ")
+}
+
+impl<'a> Evidence<'_, 'a> {
+    fn metric(&self, name: &str) -> Option<(&'static Metric, Scope)> {
+        let time = self.claims.times.iter().find(|time| time.name == name);
+        let time = time.map(|time| (time.of(self.cases.clock()), time.needs));
+        let metric = || {
+            self.claims
+                .metrics
+                .iter()
+                .find(|metric| metric.name == name)
+        };
+        time.or_else(|| metric().map(|metric| (metric, Scope::default())))
+    }
+
+    fn selected(&self, with: &Conditions) -> Vec<&'a Case> {
+        self.cases.iter().filter(|case| fits(case, with)).collect()
+    }
+
+    /// Cases of both values, alike but for what may differ.
+    fn pairs(&self, ratio: &CaseRatio) -> Vec<[&'a Case; 2]> {
+        let rest = |case: &'a Case| {
+            let all = case.id().conditions.iter();
+            let rest = all
+                .filter(|(key, _)| **key != *ratio.changes && !ratio.follows.contains_key(&**key));
+            rest.collect::<Vec<_>>()
+        };
+        let own = self.selected(&ratio.with);
+        let of = |value: &str| {
+            let of = own
+                .iter()
+                .filter(|case| case.condition_named(&ratio.changes) == value);
+            of.copied().collect::<Vec<_>>()
+        };
+        let [firsts, seconds] = [of(&ratio.of[0]), of(&ratio.of[1])];
+        let pair = |first: &'a Case| {
+            let second = seconds.iter().find(|second| rest(second) == rest(first))?;
+            Some([first, *second])
+        };
+        firsts.into_iter().filter_map(pair).collect()
+    }
+
+    /// Cases of each series.
+    fn series(&self, growth: &CaseGrowth) -> Vec<(String, Vec<&'a Case>)> {
+        let own = self.selected(&growth.with);
+        crate::cases::grouped(own, |case| title(case, &growth.named_by))
+    }
+
+    fn is_testable(&self, test: &CaseTest) -> bool {
+        let is_known = |figure: &str| self.metric(figure).is_some();
+        match test {
+            CaseTest::Ratio(ratio) => is_known(&ratio.figure) && !self.pairs(ratio).is_empty(),
+            CaseTest::Figures(of) => is_known(&of.figure) && !self.selected(&of.with).is_empty(),
+            CaseTest::Growth(growth) => {
+                let series = self.series(growth);
+                let is_long = |(_, cases): &(String, Vec<&Case>)| cases.len() >= 3;
+                is_known(&growth.figure) && !series.is_empty() && series.iter().all(is_long)
+            }
+            CaseTest::No(_) => true,
+        }
+    }
+
+    fn answer(&self, test: &CaseTest) -> ClaimAnswer {
+        let unknown = |name: &str| {
+            let why = format!("no figure is called {name:?}");
+            ClaimAnswer::unanswered(Standing::CannotBeTested, &why)
+        };
+        match test {
+            CaseTest::Ratio(of) => match self.metric(&of.figure) {
+                Some(metric) => self.ratio(of, metric),
+                None => unknown(&of.figure),
+            },
+            CaseTest::Figures(of) => match self.metric(&of.figure) {
+                Some((metric, _)) => self.figures(of, metric),
+                None => unknown(&of.figure),
+            },
+            CaseTest::Growth(of) => match self.metric(&of.figure) {
+                Some((metric, _)) => self.growth(of, metric),
+                None => unknown(&of.figure),
+            },
+            CaseTest::No(why) => ClaimAnswer::unanswered(Standing::CannotBeTested, why),
+        }
+    }
+
+    fn ratio(&self, of: &CaseRatio, (metric, needs): (&'static Metric, Scope)) -> ClaimAnswer {
+        let follows = of.follows.iter();
+        let follows: Vec<Follows<'_>> = follows
+            .map(|(key, because)| Follows { key, because })
+            .collect();
+        let comparison = Comparison {
+            changed: &of.changes,
+            follows: &follows,
+            one_sided: None,
+            metric,
+            needs,
+        };
+        let pairs = self.pairs(of);
+        let own = self.cases.fitting(|case| fits(case, &of.with));
+        let noise = own.noise(metric);
+        let judged = pairs.iter().map(|pair| {
+            let judged = comparison.judge(self.cases.run(), *pair, of.expects, noise);
+            judged.unwrap_or_else(Answer::from)
+        });
+        let answers: Vec<Answer> = judged.collect();
+        let is_time = metric.kind == Kind::Time;
+        let text = |figure: &Estimate| {
+            if is_time {
+                times(figure)
+            } else {
+                format!("{} ×", significant(figure.middle))
+            }
+        };
+        if of.is_summed {
+            let standings: Vec<Standing> = answers.iter().map(|answer| answer.standing).collect();
+            let is_open = matches!(
+                overall(&standings),
+                Standing::NotMeasured | Standing::CannotBeTested
+            );
+            if let Some(sum) = summed(&pairs, metric).filter(|_| !is_open) {
+                let band = if is_time { Noise::band(noise) } else { 1.0 };
+                let standing = of.expects.standing_beyond(&sum, band);
+                let said = format!("{} over {} pairs", text(&sum), pairs.len());
+                return ClaimAnswer::of_views(vec![(said, standing)], self.open(standing));
+            }
+        }
+        let views = pairs.iter().zip(&answers).map(|([first, _], answer)| {
+            let ours = answer
+                .figure
+                .as_ref()
+                .map_or_else(|| answer.standing.name().to_owned(), text);
+            let title = title(first, &of.named_by);
+            (
+                format!("{title} {ours}").trim_start().to_owned(),
+                answer.standing,
+            )
+        });
+        let open = answers.iter().find(|answer| !answer.because.is_empty());
+        let because = open
+            .map(|answer| answer.because.clone())
+            .unwrap_or_default();
+        let compared = format!("{} ÷ {}", of.of[0], of.of[1]);
+        ClaimAnswer::of_views(views.collect(), sentences([compared, because]))
+    }
+
+    fn figures(&self, of: &CaseFigures, metric: &'static Metric) -> ClaimAnswer {
+        let own = self.selected(&of.with);
+        let mut views: Views = Vec::new();
+        if metric.kind == Kind::Time {
+            let counted = own.iter().filter(|case| case.counts());
+            let typical = counted.filter_map(|case| typical(case, metric));
+            let said = typical.map(|of_case| {
+                let text = format!("{} {}", figure(&of_case), metric.unit);
+                (text, of.is.standing(of_case.interval))
+            });
+            views.extend(said);
+        } else {
+            let values: Vec<f64> = own
+                .iter()
+                .filter_map(|case| measured(case, metric))
+                .collect();
+            let are_all = values.iter().all(|value| of.is.holds(*value));
+            let said = range(&values).map(|range| {
+                let text = format!("{range} {} in {} cases", metric.unit, values.len());
+                (text.replace("  ", " "), Standing::holds_if(are_all))
+            });
+            views.extend(said);
+        }
+        let standings: Vec<Standing> = views.iter().map(|(_, standing)| *standing).collect();
+        ClaimAnswer::of_views(views, self.open(overall(&standings)))
+    }
+
+    fn growth(&self, of: &CaseGrowth, metric: &'static Metric) -> ClaimAnswer {
+        let views = self.series(of).into_iter().filter_map(|(name, cases)| {
+            let exponent = exponent(&cases, &of.over, metric)?;
+            let standing = Bound::Between(of.between).standing(exponent.interval);
+            let text = format!("{name} exponent {}", figure(&exponent));
+            Some((text.trim_start().to_owned(), standing))
+        });
+        let views: Views = views.collect();
+        let standings: Vec<Standing> = views.iter().map(|(_, standing)| *standing).collect();
+        ClaimAnswer::of_views(views, self.open(overall(&standings)))
+    }
+
+    /// What would settle an open answer.
+    fn open(&self, standing: Standing) -> String {
+        if standing != Standing::CannotTell {
+            return String::new();
+        }
+        let environment = &self.cases.run().environment;
+        let command = bench_command(environment, self.claims.study, "", 2 * MIN_REPLICATES);
+        format!(
+            "Undecided: the interval reaches beyond the bound, or there is none. To settle it: {command}"
+        )
+    }
+}
+
+impl Bound {
+    fn holds(self, value: f64) -> bool {
+        match self {
+            Self::None => value == 0.0,
+            Self::AtMost(most) => value <= most,
+            Self::Between([least, most]) => (least..=most).contains(&value),
+        }
+    }
+
+    /// Of an interval; without one nothing can be told.
+    fn standing(self, interval: Option<[f64; 2]>) -> Standing {
+        let Some(ends) = interval else {
+            return Standing::CannotTell;
+        };
+        let [low, high] = ends;
+        let [is_below, is_above] = match self {
+            Self::None => [false, low > 0.0],
+            Self::AtMost(most) => [false, low > most],
+            Self::Between([least, most]) => [high < least, low > most],
+        };
+        match (
+            ends.iter().all(|end| self.holds(*end)),
+            is_below || is_above,
+        ) {
+            (true, _) => Standing::Holds,
+            (_, true) => Standing::DoesNotHold,
+            _ => Standing::CannotTell,
+        }
+    }
+}
+
+/// Figures of the first cases over those of the second, each added up.
+fn summed(pairs: &[[&Case; 2]], metric: &'static Metric) -> Option<Estimate> {
+    let [first, second] =
+        [0, 1].map(|at| pairs.iter().map(|pair| pair[at]).collect::<Vec<&Case>>());
+    if metric.kind == Kind::Time {
+        let [first, second] = [first, second].map(|cases| sums_by_process(&cases, metric));
+        let ratios = first
+            .iter()
+            .filter_map(|(process, sum)| Some(sum / second.get(process)?));
+        return over_processes(&ratios.collect::<Vec<f64>>());
+    }
+    let sum = |cases: &[&Case]| {
+        cases
+            .iter()
+            .map(|case| measured(case, metric))
+            .sum::<Option<f64>>()
+    };
+    let ratio = sum(&first)? / sum(&second)?;
+    ratio.is_finite().then_some(Estimate::exact(ratio))
+}
+
+/// The exponent over a condition: of a time in each process, else of the figures; `None` below three cases.
+fn exponent(cases: &[&Case], over: &str, metric: &'static Metric) -> Option<Estimate> {
+    let number = |case: &Case| case.condition_named(over).parse::<f64>().ok();
+    if metric.kind != Kind::Time {
+        let points = cases
+            .iter()
+            .filter_map(|case| Some((number(case)?, measured(case, metric)?)));
+        return log_slope(points).map(Estimate::exact);
+    }
+    let counted = cases.iter().filter(|case| case.counts());
+    let medians: Vec<(f64, BTreeMap<u32, f64>)> = counted
+        .filter_map(|case| Some((number(case)?, process_medians(case, metric))))
+        .collect();
+    let processes = medians.first()?.1.keys();
+    let slopes = processes.filter_map(|process| {
+        let points = medians
+            .iter()
+            .map(|(x, own)| Some((*x, *own.get(process)?)));
+        log_slope(points.collect::<Option<Vec<_>>>()?)
+    });
+    over_processes(&slopes.collect::<Vec<f64>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{TIME, empty};
+    use terrafill_results::made_up::case_id;
+    use terrafill_results::{Run, Status};
+
+    const STUDY: &str = "s";
+    const ERRORS: [Metric; 1] = [Metric::error("grid_error", "px", "Wrong pixels.")];
+    const ERROR: &Metric = &ERRORS[0];
+
+    const TEXT: &str = "source = 'A (2007)'\ndocument = 'a'\nremark = ''\n\
+        [[claim]]\nwords = 'other'\nplace = '1'\nbasis = 'observed'\nstudy = 'other'\ntest = { no = 'not here' }\n\
+        [[claim]]\nwords = 'faster'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
+        test = { ratio = { figure = 'frame', changes = 'way', of = ['sent', 'fetched'], \
+        with = { cells = ['64', '128', '256'] }, named-by = ['cells'], expects = 'faster' } }\n\
+        [[claim]]\nwords = 'right'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'pixels'\n\
+        test = { figures = { figure = 'grid_error', with = { way = ['fetched'] }, is = 'none' } }\n\
+        [[claim]]\nwords = 'linear'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'growth'\n\
+        test = { growth = { figure = 'frame', over = 'cells', with = { way = ['sent'] }, between = [0.9, 1.1] } }\n";
+
+    fn claims(text: &'static str) -> StudyClaims {
+        StudyClaims {
+            study: STUDY,
+            title: "The claims",
+            file: ["a.toml", text],
+            times: &[ClaimedTime {
+                name: "frame",
+                by: [TIME, TIME],
+                needs: Scope::DRAW,
+            }],
+            metrics: &ERRORS,
+        }
+    }
+
+    /// Both ways at three sizes: ms of a process for a cell, and wrong pixels of the second way.
+    fn run_of(sent: f64, fetched: f64, wrong: f64, power: f64) -> Run {
+        let mut made = empty();
+        made.metrics.extend(ERRORS);
+        for cells in ["64", "128", "256"] {
+            for (way, ms) in [("sent", sent), ("fetched", fetched)] {
+                let size: f64 = cells.parse().expect("a number");
+                let ms = ms * size.powf(power);
+                let conditions = [("way", way), ("cells", cells)];
+                let case = made.case(case_id(STUDY, &format!("{way}/{cells}"), &conditions));
+                let spread = [0.99, 1.0, 1.01, 0.995, 1.005, 1.0, 0.99, 1.01];
+                case.timed(TIME, &spread.map(|of| of * ms));
+                case.figure(ERROR, if way == "fetched" { wrong } else { 0.0 });
+            }
+        }
+        made.loaded()
+    }
+
+    fn standings(claims: &StudyClaims, run: &Run) -> Vec<Standing> {
+        let (_, answers) = claims
+            .answered(&Cases::of_study(run, STUDY))
+            .expect("a paper");
+        answers.iter().map(|answer| answer.standing).collect()
+    }
+
+    #[test]
+    fn a_study_answers_its_own_claims_by_ratios_figures_and_growth() {
+        use Standing::{DoesNotHold, Holds, NoDifference, NotMeasured};
+        let of = |run: &Run| standings(&claims(TEXT), run);
+        assert_eq!(of(&run_of(3.0, 1.0, 0.0, 1.0)), [Holds; 3]);
+        // Negative controls: operands swapped, one wrong pixel, growth by the square, nothing measured.
+        assert_eq!(of(&run_of(1.0, 3.0, 0.0, 1.0))[0], DoesNotHold);
+        assert_eq!(of(&run_of(1.0, 1.0, 0.0, 1.0))[0], NoDifference);
+        assert_eq!(of(&run_of(3.0, 1.0, 1.0, 1.0))[1], DoesNotHold);
+        assert_eq!(of(&run_of(3.0, 1.0, 0.0, 2.0))[2], DoesNotHold);
+        assert_eq!(of(&empty().loaded()), [NotMeasured; 3]);
+    }
+
+    #[test]
+    fn sums_are_one_ratio_of_all_pairs() {
+        let run = run_of(3.0, 1.0, 0.0, 1.0);
+        let ours = |text: &'static str| {
+            let (_, answers) = claims(text)
+                .answered(&Cases::of_study(&run, STUDY))
+                .expect("a paper");
+            answers[0].ours.clone()
+        };
+        assert_eq!(ours(TEXT).matches(" ×").count(), 3);
+        let summed = TEXT.replace("expects = 'faster'", "is-summed = true, expects = 'faster'");
+        let summed = ours(Box::leak(summed.into_boxed_str()));
+        assert!(
+            summed.starts_with("3.00 ×") && summed.ends_with("over 3 pairs"),
+            "{summed}"
+        );
+    }
+
+    #[test]
+    fn a_claim_that_selects_nothing_or_names_no_figure_is_untestable() {
+        let run = run_of(3.0, 1.0, 0.0, 1.0);
+        let cases = Cases::of_study(&run, STUDY);
+        let of = |from: &str, to: &str| {
+            let text = TEXT.replace(from, to);
+            let claims = claims(Box::leak(text.into_boxed_str()));
+            claims.untestable(&cases).expect("a paper")
+        };
+        assert_eq!(of("", ""), [""; 0]);
+        // Negative controls.
+        assert_eq!(of("['sent', 'fetched']", "['sent', 'drawn']"), ["faster"]);
+        assert_eq!(of("'grid_error'", "'grid_errors'"), ["right"]);
+        assert_eq!(
+            of(
+                "over = 'cells', with = { way = ['sent'] }",
+                "over = 'cells', with = { way = ['lost'] }"
+            ),
+            ["linear"]
+        );
+    }
+
+    #[test]
+    fn an_interval_across_a_bound_decides_nothing() {
+        let bound = Bound::Between([0.9, 1.1]);
+        assert_eq!(bound.standing(Some([0.95, 1.05])), Standing::Holds);
+        assert_eq!(bound.standing(Some([1.05, 1.2])), Standing::CannotTell);
+        assert_eq!(bound.standing(Some([1.15, 1.2])), Standing::DoesNotHold);
+        assert_eq!(bound.standing(None), Standing::CannotTell);
+        assert_eq!(
+            Bound::AtMost(2.0).standing(Some([2.1, 3.0])),
+            Standing::DoesNotHold
+        );
+        assert_eq!(Bound::None.standing(Some([0.0, 0.0])), Standing::Holds);
+    }
+
+    #[test]
+    fn a_case_that_failed_leaves_its_claim_open() {
+        let mut made = empty();
+        for way in ["sent", "fetched"] {
+            let conditions = [("way", way), ("cells", "64")];
+            let case = made.case(case_id(STUDY, way, &conditions));
+            case.timed(TIME, &[1.0; 8]);
+            if way == "sent" {
+                case.ended(Status::Failed, "the device is lost");
+            }
+        }
+        assert_eq!(
+            standings(&claims(TEXT), &made.loaded())[0],
+            Standing::NotMeasured
+        );
+    }
+}
