@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Choosing and opening a device.
 
-use crate::validation;
+use crate::{mesh, validation};
 use std::sync::Arc;
 use terrafill_contract::{
     DeviceError, DeviceLoss, DeviceOptions, DeviceType, ValidationLog, WorkCounters,
@@ -136,11 +136,14 @@ impl Gpu {
             | wgpu::Features::PRIMITIVE_INDEX
             | wgpu::Features::TEXTURE_BINDING_ARRAY
             | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
+        let (mesh_shaders, experimental_features) = mesh::offered(adapter);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8
-                | (adapter.features() & optional),
+                | (adapter.features() & optional)
+                | mesh_shaders,
             required_limits: adapter.limits(),
+            experimental_features,
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))

@@ -16,6 +16,7 @@ mod evaluate;
 mod fill;
 mod held_buffer;
 mod loaded;
+mod mesh;
 mod overlay;
 mod picture;
 mod queries;

@@ -119,6 +119,15 @@ impl Gpu {
         self.device.create_render_pipeline(descriptor)
     }
 
+    /// Makes a pipeline of mesh shaders.
+    pub(crate) fn create_mesh_pipeline(
+        &self,
+        descriptor: &wgpu::MeshPipelineDescriptor<'_>,
+    ) -> wgpu::RenderPipeline {
+        self.work.count_pipeline();
+        self.device.create_mesh_pipeline(descriptor)
+    }
+
     /// Makes a compute pipeline and its layout.
     ///
     /// - `constants`: of the shader's overrides

@@ -4,8 +4,8 @@
 use crate::draws::{Counted, Draws, Times, count};
 use crate::grid::{Grid, GridConstants};
 use crate::way::{
-    ARGUMENT_BYTES, MESH_CELLS, PATCH_CELLS, Submission, emitted_by_point, geometry_shader,
-    patch_indices,
+    ARGUMENT_BYTES, MESH_CELLS, MESH_SHADERS, PATCH_CELLS, Submission, emitted_by_point,
+    geometry_shader, patch_indices,
 };
 use std::ops::Range;
 use std::sync::Arc;
@@ -252,12 +252,12 @@ fn stages(way: Submission, adapter: &str) -> Result<(PrimitiveStages, Shader), D
         }
         Submission::Mesh => PrimitiveStages::Mesh {
             task: None,
-            mesh: "native/grid.mesh.spv",
+            mesh: MESH_SHADERS[0],
         },
     };
     let fragment = match way {
         Submission::IndexedPatch => wgsl(PATCH, "fragment_main"),
-        Submission::Mesh => Shader::Compiled("native/grid.frag.spv"),
+        Submission::Mesh => Shader::Compiled(MESH_SHADERS[1]),
         _ => wgsl(GRID, "fragment_main"),
     };
     Ok((stages, fragment))

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Grids on wgpu, which has no geometry shaders and, in WGSL, no mesh shaders.
+//! Grids on wgpu, which has no geometry shaders; mesh shaders are an experiment of its, where the device offers them.
 
 use crate::draws::{Counted, Draws, Times};
 use crate::grid::{Grid, GridConstants};
-use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Submission, patch_indices};
+use crate::way::{
+    ARGUMENT_BYTES, MESH_CELLS, MESH_SHADERS, PATCH_CELLS, Submission, patch_indices,
+};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
@@ -20,6 +22,8 @@ enum Call {
         bound: wgpu::BindGroup,
         groups: u32,
     },
+    /// Workgroups of a mesh shader, a side.
+    Groups(u32),
 }
 
 /// A grid by one way.
@@ -34,7 +38,7 @@ pub(crate) struct OnWgpu {
     call: Call,
 }
 
-/// Shaders of a way, and how its vertices come.
+/// Shaders of a way, and how its vertices come; `None` for a mesh shader, which has none.
 struct Stages {
     path: &'static str,
     entry_point: &'static str,
@@ -42,19 +46,20 @@ struct Stages {
     format: Option<wgpu::VertexFormat>,
 }
 
-fn stages(way: Submission, gpu: &Gpu) -> Result<Stages, DeviceError> {
-    let grid = |entry_point, topology, format| Stages {
-        path: "pipelines/grid.wgsl",
-        entry_point,
-        topology,
-        format,
+fn stages(way: Submission, gpu: &Gpu) -> Result<Option<Stages>, DeviceError> {
+    let grid = |entry_point, topology, format| {
+        Some(Stages {
+            path: "pipelines/grid.wgsl",
+            entry_point,
+            topology,
+            format,
+        })
     };
     let points = wgpu::PrimitiveTopology::PointList;
     let triangles = wgpu::PrimitiveTopology::TriangleList;
     let strip = wgpu::PrimitiveTopology::TriangleStrip;
     let metres = Some(wgpu::VertexFormat::Float32x3);
     let word = Some(wgpu::VertexFormat::Uint32);
-    let lacks = |what| Err(DeviceError::unsupported(what, "WebGPU"));
     match way {
         Submission::SentPoints => Ok(grid("sent_point", points, metres)),
         Submission::SentStrips => Ok(grid("sent_strip", strip, metres)),
@@ -64,15 +69,15 @@ fn stages(way: Submission, gpu: &Gpu) -> Result<Stages, DeviceError> {
         Submission::IndexedPatch => {
             let what = "the number of a primitive in fragment shaders";
             gpu.require(wgpu::Features::PRIMITIVE_INDEX, what)?;
-            Ok(Stages {
+            Ok(Some(Stages {
                 path: "pipelines/patch.wgsl",
                 entry_point: "vertex_main",
                 topology: triangles,
                 format: None,
-            })
+            }))
         }
-        Submission::Geometry { .. } => lacks("geometry shaders"),
-        Submission::Mesh => lacks("mesh shaders in WGSL"),
+        Submission::Geometry { .. } => Err(DeviceError::unsupported("geometry shaders", "WebGPU")),
+        Submission::Mesh => Ok(None),
     }
 }
 
@@ -118,7 +123,11 @@ impl OnWgpu {
         let storage = wgpu::BufferUsages::STORAGE;
         let kept_bytes = u64::from(side).pow(2) * 16;
         let kept = is_placed.then(|| gpu.unwritten("clip positions", kept_bytes, storage));
-        let stage = wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE;
+        // A layout may name the stage of mesh shaders where they are offered alone.
+        let stage = match stages {
+            Some(_) => wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE,
+            None => wgpu::ShaderStages::MESH,
+        };
         // Fragments number triangles by the grid's cells.
         let all = stage | wgpu::ShaderStages::FRAGMENT;
         let base = [
@@ -133,13 +142,16 @@ impl OnWgpu {
         let types = base.into_iter().chain(kept.as_ref().map(|_| own));
         let own = kept.as_ref().map(wgpu::Buffer::as_entire_binding);
         let (layout, bound) = bind(gpu, types, basic.clone().into_iter().chain(own));
-        let pipeline = gpu.direct_pipeline(&DirectPipeline {
-            path: stages.path,
-            entry_point: stages.entry_point,
-            topology: stages.topology,
-            format: stages.format,
-            layout: &layout,
-        })?;
+        let pipeline = match stages {
+            Some(stages) => gpu.direct_pipeline(&DirectPipeline {
+                path: stages.path,
+                entry_point: stages.entry_point,
+                topology: stages.topology,
+                format: stages.format,
+                layout: &layout,
+            })?,
+            None => gpu.mesh_pipeline(MESH_SHADERS, &layout)?,
+        };
         let bytes = way.vertices(grid);
         let vertices = if bytes.is_empty() {
             None
@@ -172,6 +184,7 @@ impl OnWgpu {
                     groups: side.div_ceil(8),
                 }
             }
+            Submission::Mesh => Call::Groups(grid.cells / MESH_CELLS),
             _ => Call::Ranges(way.ranges(grid)),
         };
         Ok(Self {
@@ -219,6 +232,7 @@ impl OnWgpu {
                 pass.draw_indexed(0..6 * PATCH_CELLS * PATCH_CELLS, 0, 0..*instances);
             }
             Call::Indirect { arguments, .. } => pass.draw_indirect(arguments, 0),
+            Call::Groups(side) => pass.draw_mesh_tasks(*side, *side, 1),
         }
         drop(pass);
         self.gpu.queue.submit([frame.encoder.finish()]);

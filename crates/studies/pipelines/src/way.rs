@@ -8,6 +8,8 @@ use std::ops::Range;
 pub(crate) const PATCH_CELLS: u32 = 64;
 /// A side of what a workgroup of `grid.mesh` makes, cells.
 pub(crate) const MESH_CELLS: u32 = 8;
+/// SPIR-V of the mesh shader, and of its fragments.
+pub(crate) const MESH_SHADERS: [&str; 2] = ["native/grid.mesh.spv", "native/grid.frag.spv"];
 /// Bytes of a sent vertex, of a point's number and of an index.
 const VERTEX_BYTES: u64 = 12;
 const NUMBER_BYTES: u64 = 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Culling on wgpu: by compute or on the CPU. It has no geometry shaders and, in WGSL, no mesh shaders.
+//! Culling on wgpu: by compute or on the CPU. It has no geometry shaders; its mesh shaders, an experiment, draw grids alone.
 
 use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
 use super::ground::Ground;
