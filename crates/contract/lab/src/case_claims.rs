@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use terrafill_plot::number::{figure, significant, times};
 use terrafill_results::threshold::MIN_REPLICATES;
 use terrafill_results::{
-    Block, Case, ChapterError, Claim, Clock, DerivedTable, Estimate, Kind, Metric, Noise, Scope,
-    Standing, over_processes, process_medians, typical,
+    Block, Case, ChapterError, Claim, Clock, DerivedTable, Estimate, Kind, Metric, Noise, Outcome,
+    Scope, Standing, over_processes, process_medians, typical,
 };
 
 /// Conditions by name, each with the values that fit.
@@ -248,6 +248,14 @@ fn title(case: &Case, named_by: &[String]) -> String {
     values.join(" ")
 }
 
+/// A figure after what it is of.
+fn named(of: &str, figure: String) -> String {
+    match of {
+        "" => figure,
+        of => format!("{of}: {figure}"),
+    }
+}
+
 impl<'a> Evidence<'_, 'a> {
     fn metric(&self, name: &str) -> Option<(&'static Metric, Scope)> {
         let time = self.claims.times.iter().find(|time| time.name == name);
@@ -342,7 +350,23 @@ impl<'a> Evidence<'_, 'a> {
             metric,
             needs,
         };
-        let pairs = self.pairs(of);
+        let all = self.pairs(of);
+        // What a device cannot do says nothing of a claim, unless there is nothing else.
+        let is_skipped =
+            |pair: &&[&Case; 2]| pair.iter().any(|case| case.outcome == Outcome::Skipped);
+        let able: Vec<[&Case; 2]> = all
+            .iter()
+            .filter(|pair| !is_skipped(pair))
+            .copied()
+            .collect();
+        let skipped = all.len() - able.len();
+        let (pairs, left_out) = match (able.is_empty(), skipped) {
+            (false, 1..) => (
+                able,
+                format!("{skipped} pairs left out, which the device or this depth does not have"),
+            ),
+            _ => (all, String::new()),
+        };
         let own = self.cases.fitting(|case| fits(case, &of.with));
         let noise = own.noise(metric);
         let judged = pairs.iter().map(|pair| {
@@ -368,7 +392,8 @@ impl<'a> Evidence<'_, 'a> {
                 let band = if is_time { Noise::band(noise) } else { 1.0 };
                 let standing = of.expects.standing_beyond(&sum, band);
                 let said = format!("{} over {} pairs", text(&sum), pairs.len());
-                return ClaimAnswer::of_views(vec![(said, standing)], self.open(standing));
+                let reason = sentences([left_out, self.open(standing)]);
+                return ClaimAnswer::of_views(vec![(said, standing)], reason);
             }
         }
         let views = pairs.iter().zip(&answers).map(|([first, _], answer)| {
@@ -377,17 +402,14 @@ impl<'a> Evidence<'_, 'a> {
                 .as_ref()
                 .map_or_else(|| answer.standing.name().to_owned(), text);
             let title = title(first, &of.named_by);
-            (
-                format!("{title} {ours}").trim_start().to_owned(),
-                answer.standing,
-            )
+            (named(&title, ours), answer.standing)
         });
         let open = answers.iter().find(|answer| !answer.because.is_empty());
         let because = open
             .map(|answer| answer.because.clone())
             .unwrap_or_default();
         let compared = format!("{} ÷ {}", of.of[0], of.of[1]);
-        ClaimAnswer::of_views(views.collect(), sentences([compared, because]))
+        ClaimAnswer::of_views(views.collect(), sentences([compared, left_out, because]))
     }
 
     fn figures(&self, of: &CaseFigures, metric: &'static Metric) -> ClaimAnswer {
@@ -421,8 +443,8 @@ impl<'a> Evidence<'_, 'a> {
         let views = self.series(of).into_iter().filter_map(|(name, cases)| {
             let exponent = exponent(&cases, &of.over, metric)?;
             let standing = Bound::Between(of.between).standing(exponent.interval);
-            let text = format!("{name} exponent {}", figure(&exponent));
-            Some((text.trim_start().to_owned(), standing))
+            let text = format!("exponent {}", figure(&exponent));
+            Some((named(&name, text), standing))
         });
         let views: Views = views.collect();
         let standings: Vec<Standing> = views.iter().map(|(_, standing)| *standing).collect();
@@ -645,19 +667,23 @@ mod tests {
     }
 
     #[test]
-    fn a_case_that_failed_leaves_its_claim_open() {
-        let mut made = empty();
-        for way in ["sent", "fetched"] {
-            let conditions = [("way", way), ("cells", "64")];
-            let case = made.case(case_id(STUDY, way, &conditions));
-            case.timed(TIME, &[1.0; 8]);
-            if way == "sent" {
-                case.ended(Status::Failed, "the device is lost");
+    fn a_case_that_failed_leaves_its_claim_open_and_one_that_a_device_lacks_does_not() {
+        let standing = |status| {
+            let mut made = empty();
+            for (way, ms) in [("sent", 3.0), ("fetched", 1.0)] {
+                for cells in ["64", "128"] {
+                    let conditions = [("way", way), ("cells", cells)];
+                    let case = made.case(case_id(STUDY, &format!("{way}/{cells}"), &conditions));
+                    case.timed(TIME, &[ms; 8]);
+                    if cells == "128" {
+                        case.ended(status, "more than the device allows");
+                    }
+                }
             }
-        }
-        assert_eq!(
-            standings(&claims(TEXT), &made.loaded())[0],
-            Standing::NotMeasured
-        );
+            standings(&claims(TEXT), &made.loaded())[0]
+        };
+        assert_eq!(standing(Status::Skipped), Standing::Holds);
+        // Negative control.
+        assert_eq!(standing(Status::Failed), Standing::CannotTell);
     }
 }

@@ -289,3 +289,37 @@ fn findings(cases: &Cases<'_>) -> Vec<Finding> {
     ));
     findings
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    #[test]
+    fn the_least_work_is_named_of_what_is_within_the_stated_error() {
+        let said = |rms_m: f64| {
+            let mut made = MadeUpRun::default();
+            for (integrator, us, rms_m) in [("rk4", 2.0, 0.005), ("symplectic-euler", 1.0, rms_m)] {
+                let conditions = [
+                    ("part", "drop"),
+                    ("integrator", integrator),
+                    ("stiffness", "1e3"),
+                    ("arithmetic", "f32"),
+                    ("state", "gap"),
+                    ("steps_per_second", "480"),
+                ];
+                let case = made.case(case_id(crate::STUDY, integrator, &conditions));
+                case.timed(BALL_CPU_US, &[us]);
+                case.figure(BALL_RMS_M, rms_m);
+            }
+            cheapest(&Cases::of_study(&made.loaded(), crate::STUDY), "1e3").expect("a sentence")
+        };
+        assert!(said(0.011).contains("by rk4"), "{}", said(0.011));
+        // Negative control: within the error it is.
+        assert!(
+            said(0.009).contains("by symplectic-euler"),
+            "{}",
+            said(0.009)
+        );
+    }
+}

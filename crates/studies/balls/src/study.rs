@@ -21,6 +21,9 @@ const SPRINGS: [f64; 3] = [1e3, 1e5, 1e7];
 /// Timed runs of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 2;
 
+/// The same of drops, which take the most time: a sample is the mean over many balls and steps.
+const DROP_SAMPLES: u32 = 1;
+
 /// Balls on flat ground, by every integrator.
 #[derive(Debug, Clone, Copy)]
 pub struct BallsStudy;
@@ -45,7 +48,10 @@ impl Study for BallsStudy {
         let (counts, size) = (on_devices::counts(is_quick), drawn::size_of(request));
         Ok(Planned {
             groups: vec![
-                Box::new(group(is_quick, samples)),
+                Box::new(group(
+                    request.depth,
+                    request.samples.unwrap_or(DROP_SAMPLES),
+                )),
                 Box::new(on_devices::group(counts, samples)),
                 Box::new(drawn::group(counts, size, samples)),
             ],
@@ -68,7 +74,13 @@ fn conditions(drop: &Drop) -> [(ConditionKey, String); 6] {
     ]
 }
 
-fn drops(is_quick: bool) -> Vec<Drop> {
+fn drops(depth: Depth) -> Vec<Drop> {
+    let is_quick = depth == Depth::Quick;
+    let balls = match depth {
+        Depth::Quick => 16,
+        Depth::Main => 64,
+        Depth::Full => 128,
+    };
     let mut drops = Vec::new();
     for stiffness in SPRINGS.map(Some).into_iter().chain([None]) {
         let integrators: &[Integrator] = match stiffness {
@@ -86,7 +98,7 @@ fn drops(is_quick: bool) -> Vec<Drop> {
                             datum_m,
                             steps_per_second,
                             restitution: 1.0,
-                            balls: if is_quick { 16 } else { 128 },
+                            balls,
                             seconds: 5,
                         });
                     }
@@ -98,8 +110,8 @@ fn drops(is_quick: bool) -> Vec<Drop> {
 }
 
 /// Drops, which need no device.
-fn group(is_quick: bool, samples: u32) -> CaseGroup<Vec<Drop>> {
-    let drops = drops(is_quick);
+fn group(depth: Depth, samples: u32) -> CaseGroup<Vec<Drop>> {
+    let drops = drops(depth);
     let case = |drop: &Drop| PlannedCase {
         may_be_wrong: drop.may_blow_up(),
         ..planned_case(STUDY, samples, conditions(drop), None)
@@ -165,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_run_whose_balls_blew_up_is_wrong_and_only_where_that_is_foreseen() {
-        let balls = group(true, 1);
+        let balls = group(Depth::Quick, 1);
         let mut session = BallsSession(&balls.work);
         let mut wrong = 0;
         for (index, case) in balls.cases.iter().enumerate() {

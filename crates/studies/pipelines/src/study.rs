@@ -23,14 +23,17 @@ use terrafill_study::{
     StudyError, planned_case, verified,
 };
 
-/// Cells a side.
-const GRID_CELLS: [u32; 6] = [64, 128, 256, 512, 1_024, 2_048];
+/// Cells a side: those published, and few enough to see.
+const GRID_CELLS: [u32; 5] = [PICTURED_CELLS, 256, 512, 1_024, 2_048];
 const QUICK_GRID_CELLS: [u32; 2] = [64, 256];
 /// The size whose pictures are kept.
 const PICTURED_CELLS: u32 = 64;
-/// Cells a side of amplified grids, those published; a quick run has a smaller one instead.
-const AMPLIFIED_CELLS: [u32; 2] = [512, 1_024];
+/// Cells a side of amplified grids, those of all published tables; a quick run has the smallest alone.
+const AMPLIFIED_CELLS: [u32; 4] = [256, 512, 1_024, 2_048];
 const QUICK_AMPLIFIED_CELLS: [u32; 1] = [256];
+/// Most cells a side of amplified grids on a device that draws on the CPU, where a run is not of everything: more take
+/// minutes of each process.
+const SOFTWARE_CELLS: u32 = 1_024;
 /// Cells a side of what one point makes.
 const CELLS_PER_POINT: [u32; 4] = [1, 2, 4, 8];
 /// Timed frames of each case in a process, unless the request says otherwise: few, since a process is one number.
@@ -62,8 +65,13 @@ impl Study for PipelinesStudy {
         } else {
             (&GRID_CELLS, &AMPLIFIED_CELLS)
         };
+        let is_full = request.depth == Depth::Full;
         let of_size = |cells: &u32| boxed(grids("grid", *cells, grid_ways(), pictures));
-        let amplify = |cells: &u32| boxed(grids("amplify", *cells, amplified_ways(), pictures));
+        let amplify = |cells: &u32| {
+            let mut group = grids("amplify", *cells, amplified_ways(), pictures);
+            group.work.is_for_gpus = *cells > SOFTWARE_CELLS && !is_full;
+            boxed(group)
+        };
         let mut groups: Vec<Box<dyn Group>> = sizes.iter().map(of_size).collect();
         groups.extend(amplified.iter().map(amplify));
         groups.extend(culling::groups(is_quick, pictures).into_iter().map(boxed));
@@ -164,6 +172,8 @@ struct Grids {
     cells: u32,
     size: ImageSize,
     ways: Vec<(Interface, Submission)>,
+    /// Whether it is left out on a device that draws on the CPU.
+    is_for_gpus: bool,
 }
 
 fn grids(
@@ -185,6 +195,7 @@ fn grids(
             cells,
             size,
             ways,
+            is_for_gpus: false,
         },
         open: |group, context| {
             let grid = Grid::new(group.work.cells);
@@ -219,6 +230,14 @@ fn open(
     })
 }
 
+/// Of a grid that takes minutes of each process on the CPU.
+fn left_out() -> Failure {
+    Failure::Unable(format!(
+        "a device that draws on the CPU takes minutes for more than {SOFTWARE_CELLS} cells a side, so they are left \
+         out at this depth: --full has them"
+    ))
+}
+
 fn rays(grid: &Grid, size: ImageSize) -> Rays<'_> {
     Rays::new(grid, GridCamera::new(), size)
 }
@@ -249,9 +268,17 @@ impl Session for GridSession<'_> {
             experiment,
             size,
             ref ways,
+            is_for_gpus,
             ..
         } = self.group.work;
         let (interface, way) = ways[case];
+        if is_for_gpus
+            && terrafill_vulkan::shared_gpu(self.context.devices)?
+                .facts
+                .is_software()
+        {
+            return Err(left_out());
+        }
         let mut opened = open(self.context.devices, interface, way, &self.grid, size)?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
@@ -327,7 +354,7 @@ mod tests {
 
     #[test]
     fn every_way_draws_the_same_grid_and_the_reference_agrees() {
-        // wgpu has 6 ways, Vulkan 8, without mesh shaders 7.
+        // wgpu has 6 ways, Vulkan 7; each has one more with mesh shaders.
         check(&grids("grid", 64, grid_ways(), (PICTURE, 1)), 13);
     }
 
@@ -336,6 +363,23 @@ mod tests {
         // Eight cells a side are 2,048 components in strips of cells and 1,152 in strips of rows: above the usual
         // limit of 1,024.
         check(&grids("amplify", 64, amplified_ways(), (PICTURE, 1)), 13);
+    }
+
+    #[test]
+    fn grids_that_take_minutes_on_the_cpu_are_left_out_there_with_the_reason() {
+        let Some(tested) = Tested::open() else {
+            return;
+        };
+        let gpu = terrafill_vulkan::shared_gpu(&tested.devices).expect("a device");
+        let drawn = |is_for_gpus| {
+            let way = amplified_ways()[0];
+            let mut group = grids("amplify", 64, vec![way], (PICTURE, 1));
+            group.work.is_for_gpus = is_for_gpus;
+            tested.verdicts(&group).len()
+        };
+        assert_eq!(drawn(true), usize::from(!gpu.facts.is_software()));
+        // Negative control.
+        assert_eq!(drawn(false), 1);
     }
 
     #[test]

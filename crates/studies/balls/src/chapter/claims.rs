@@ -32,7 +32,7 @@ mod tests {
     use super::*;
     use crate::BallsStudy;
     use terrafill_fixtures::data;
-    use terrafill_lab::Cases;
+    use terrafill_lab::{Cases, REFUSED};
     use terrafill_results::made_up::MadeUpRun;
     use terrafill_study::{Request, Study as _};
 
@@ -46,9 +46,11 @@ mod tests {
                 run.case(case.id.clone());
             }
             let run = run.loaded();
-            CLAIMS
-                .untestable(&Cases::of_study(&run, crate::STUDY))
-                .expect("a paper")
+            let cases = Cases::of_study(&run, crate::STUDY);
+            // No two cases that a claim compares differ in anything beside.
+            let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
+            assert!(!page.contains(REFUSED), "{page}");
+            CLAIMS.untestable(&cases).expect("a paper")
         };
         assert_eq!(of_plan(|_| true), [""; 0]);
         // Negative control: a plan in which no ball has a draw of its own.
@@ -64,7 +66,7 @@ mod tests {
         let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
         assert_eq!(paper.misquoted(&document), [""; 0]);
         // Negative control: one word.
-        let wrong = paper.misquoted(&document.replace("scalable", "scaleable"));
+        let wrong = paper.misquoted(&document.replace("GPU is that its", "GPU is that it"));
         assert_eq!(wrong.len(), 1, "{wrong:?}");
     }
 }

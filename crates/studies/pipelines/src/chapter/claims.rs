@@ -38,7 +38,7 @@ mod tests {
     use super::*;
     use crate::PipelinesStudy;
     use terrafill_fixtures::data;
-    use terrafill_lab::Cases;
+    use terrafill_lab::{Cases, REFUSED};
     use terrafill_results::made_up::MadeUpRun;
     use terrafill_study::{Request, Study as _};
 
@@ -52,9 +52,11 @@ mod tests {
                 run.case(case.id.clone());
             }
             let run = run.loaded();
-            CLAIMS
-                .untestable(&Cases::of_study(&run, crate::STUDY))
-                .expect("a paper")
+            let cases = Cases::of_study(&run, crate::STUDY);
+            // No two cases that a claim compares differ in anything beside.
+            let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
+            assert!(!page.contains(REFUSED), "{page}");
+            CLAIMS.untestable(&cases).expect("a paper")
         };
         assert_eq!(of_plan(|_| true), [""; 0]);
         // Negative control: a plan without the flight.

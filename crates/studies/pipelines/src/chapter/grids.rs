@@ -55,7 +55,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         let (cells, of_largest) = of_most(&of_triangles, GRID_CELLS, metric)?;
         let best = of_largest.best(metric)?;
         let mut sentence = format!(
-            "On {api} the fastest way to triangles of {cells}² cells is {}{}: {} ms for {} vertices given",
+            "On {api} the fastest way to triangles of {cells}² cells, every pixel as by rays, is {}{}: {} ms for {} vertices given",
             best.case.condition(WAY),
             best.tied_with(|case| case.condition(WAY).to_owned()),
             significant(best.value),
@@ -81,7 +81,7 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
 mod tests {
     use super::*;
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{Run, RunEnvironment};
+    use terrafill_results::{Run, RunEnvironment, Status};
 
     /// Milliseconds by GPU, wall and process CPU.
     fn run_of(device_type: &str, figures: &[(&str, [f64; 3])]) -> Run {
@@ -123,7 +123,7 @@ mod tests {
                     ("no-vertex-buffer", [0.2, 0.4, 0.5]),
                 ],
             );
-            said.contains("256² cells is sent-strips")
+            said.contains("is sent-strips")
         };
         // Its GPU time is the least: the upload is outside of it.
         assert!(!fastest("discrete-gpu", 0.6, 0.3));
@@ -131,6 +131,39 @@ mod tests {
         assert!(fastest("discrete-gpu", 0.3, 0.6));
         assert!(!fastest("cpu", 0.3, 0.6));
         assert!(fastest("cpu", 0.6, 0.3));
+    }
+
+    #[test]
+    fn a_faster_way_whose_picture_is_wrong_is_not_named() {
+        let said = |status| {
+            let mut made = MadeUpRun::default();
+            for (way, ms, status) in [
+                ("indexed-patch", 2.0, Status::Ok),
+                ("mesh-shader", 1.0, status),
+            ] {
+                let conditions = [
+                    ("experiment", "grid"),
+                    ("api", "vulkan"),
+                    ("way", way),
+                    ("grid_cells", "256"),
+                ];
+                let case = made.case(case_id(crate::STUDY, way, &conditions));
+                case.timed("pipeline_cpu_ms", &[ms]);
+                case.ended(status, "");
+            }
+            recommended(&Cases::of_study(&made.loaded(), crate::STUDY)).join(" ")
+        };
+        assert!(
+            said(Status::Wrong).contains("is indexed-patch"),
+            "{}",
+            said(Status::Wrong)
+        );
+        // Negative control: right, it is.
+        assert!(
+            said(Status::Ok).contains("is mesh-shader"),
+            "{}",
+            said(Status::Ok)
+        );
     }
 
     #[test]

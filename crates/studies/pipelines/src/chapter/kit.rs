@@ -65,6 +65,11 @@ pub(super) fn at_least<'a>(cases: &Cases<'a>, key: ConditionKey, least: u32) -> 
     cases.fitting(|case| case.condition(key).parse().is_ok_and(|of: u32| of >= least))
 }
 
+/// Cases whose error was measured and is at most this: among them the cheapest may be named.
+pub(super) fn within<'a>(cases: &Cases<'a>, error: &Metric, most: f64) -> Cases<'a> {
+    cases.fitting(|case| case.value(error).is_some_and(|found| found <= most))
+}
+
 /// Timed cases of the greatest number of a condition, and that number.
 pub(super) fn of_most<'a>(
     cases: &Cases<'a>,
