@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Choosing and opening a device.
 
-use crate::{mesh, validation};
+use crate::validation;
 use std::sync::Arc;
 use terrafill_contract::{
     DeviceError, DeviceLoss, DeviceOptions, DeviceType, ValidationLog, WorkCounters,
@@ -109,6 +109,27 @@ pub fn list_adapters() -> Vec<DeviceFacts> {
     adapters(&instance(false)).iter().map(facts_of).collect()
 }
 
+/// What mesh shaders need of a device, by SPIR-V of our own.
+pub(crate) const MESH_SHADERS: wgpu::Features =
+    wgpu::Features::EXPERIMENTAL_MESH_SHADER.union(wgpu::Features::PASSTHROUGH_SHADERS);
+
+/// The features that mesh shaders need and the consent to experiments; neither where the adapter lacks one.
+fn mesh_shaders(adapter: &wgpu::Adapter) -> (wgpu::Features, wgpu::ExperimentalFeatures) {
+    if !adapter.features().contains(MESH_SHADERS) {
+        return (
+            wgpu::Features::empty(),
+            wgpu::ExperimentalFeatures::disabled(),
+        );
+    }
+    #[allow(
+        unsafe_code,
+        reason = "wgpu asks for consent to its experiments by an unsafe function"
+    )]
+    // SAFETY: the one experiment that is used is mesh shaders, by SPIR-V that validates; its pictures are judged.
+    let consent = unsafe { wgpu::ExperimentalFeatures::enabled() };
+    (MESH_SHADERS, consent)
+}
+
 impl Gpu {
     /// Opens a device.
     ///
@@ -136,7 +157,7 @@ impl Gpu {
             | wgpu::Features::PRIMITIVE_INDEX
             | wgpu::Features::TEXTURE_BINDING_ARRAY
             | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
-        let (mesh_shaders, experimental_features) = mesh::offered(adapter);
+        let (mesh_shaders, experimental_features) = mesh_shaders(adapter);
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8

@@ -4,31 +4,11 @@
 //! Their SPIR-V is our own, handed through as it is: of naga's, wgpu 30 says that lavapipe does not run it.
 
 use crate::Gpu;
+use crate::adapter::MESH_SHADERS;
 use crate::attachments::COLOUR_FORMAT;
 use crate::render_pipeline::nearest;
 use std::borrow::Cow;
 use terrafill_contract::DeviceError;
-
-/// What a device must be opened with.
-pub(crate) const NEEDED: wgpu::Features =
-    wgpu::Features::EXPERIMENTAL_MESH_SHADER.union(wgpu::Features::PASSTHROUGH_SHADERS);
-
-/// The features that mesh shaders need and the consent to experiments; neither where the adapter lacks one.
-pub(crate) fn offered(adapter: &wgpu::Adapter) -> (wgpu::Features, wgpu::ExperimentalFeatures) {
-    if !adapter.features().contains(NEEDED) {
-        return (
-            wgpu::Features::empty(),
-            wgpu::ExperimentalFeatures::disabled(),
-        );
-    }
-    #[allow(
-        unsafe_code,
-        reason = "wgpu asks for consent to its experiments by an unsafe function"
-    )]
-    // SAFETY: the one experiment that is used is mesh shaders, by SPIR-V that validates; its pictures are judged.
-    let consent = unsafe { wgpu::ExperimentalFeatures::enabled() };
-    (NEEDED, consent)
-}
 
 impl Gpu {
     /// Makes a pipeline whose mesh shader draws into [`RenderTargets`](crate::RenderTargets), nearest depth first.
@@ -43,7 +23,7 @@ impl Gpu {
         [mesh, fragment]: [&str; 2],
         layout: &wgpu::BindGroupLayout,
     ) -> Result<wgpu::RenderPipeline, DeviceError> {
-        self.require(NEEDED, "mesh shaders")?;
+        self.require(MESH_SHADERS, "mesh shaders")?;
         let [mesh_module, fragment_module] =
             [self.handed_through(mesh)?, self.handed_through(fragment)?];
         let layout = self.pipeline_layout(mesh, &[Some(layout)]);
