@@ -56,10 +56,15 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Option<String> {
     let name = |case: &Case| {
         let [count, strip, declared] =
             [CELLS_PER_POINT, STRIP, DECLARED].map(|key| case.condition(key));
-        format!("{count} cells a point in strips of a {strip}, vertices declared: {declared}")
+        let cells = if count == "1" { "cell" } else { "cells" };
+        let more = match declared {
+            AS_EMITTED => String::new(),
+            some => format!(" with {some} vertices declared"),
+        };
+        format!("{count} {cells} a point in strips of a {strip}{more}")
     };
     Some(format!(
-        "Geometry shaders make {cells}² cells of stored points fastest with {}{}: {} ms for {} vertices given.",
+        "Geometry shaders make {cells}² cells of stored points fastest by {}{}: {} ms for {} vertices given.",
         name(best.case),
         best.tied_with(name),
         significant(best.value),
