@@ -2,12 +2,14 @@
 //! Balls over terrain, stepped on devices and drawn from where the step left them.
 
 use crate::STUDY;
+use crate::arithmetic::Real as _;
 use crate::drawing::{DrawCalls, DrawsBalls};
-use crate::metrics::{BALLS, DRAWN, GROUND, INTERFACE, PART, SIZE_PX, WAY};
-use crate::on_devices::{TIMED, constants, take_all};
-use crate::stepping::{Stepping, Steps};
+use crate::flight::{Flight, Law, RESTITUTION};
+use crate::metrics::{BALLS, DRAWN, GROUND, INTEGRATOR, INTERFACE, PART, SIZE_PX, WAY};
+use crate::on_devices::{TIMED, constants, take};
+use crate::stepping::{BallConstants, Stepping, Steps};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
-use crate::walk::{Walk, walk};
+use crate::walk::{FLIGHT_STEPS, FLIGHT_STEPS_PER_SECOND, Walk, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
@@ -33,9 +35,40 @@ pub(crate) fn size_of(request: &Request) -> ImageSize {
     ImageSize::new(side, side)
 }
 
+/// So many balls over terrain, by a way and a law, drawn or not.
+#[derive(Debug, Clone, Copy)]
+struct DrawnCase {
+    way: Stepping,
+    law: Law,
+    drawn: DrawCalls,
+    balls: u32,
+}
+
+impl DrawnCase {
+    fn constants(&self) -> BallConstants {
+        BallConstants {
+            step_s: f32::of(STEP_S),
+            law: self.law.number(),
+            restitution: f32::of(RESTITUTION),
+            ..constants(self.balls)
+        }
+    }
+
+    fn flight<'a>(&self, terrain: &'a Terrain) -> Flight<'a> {
+        Flight {
+            terrain,
+            law: self.law,
+            restitution: RESTITUTION,
+            step_s: STEP_S,
+        }
+    }
+}
+
+const STEP_S: f64 = 1.0 / FLIGHT_STEPS_PER_SECOND as f64;
+
 /// Balls over terrain, drawn or not.
 pub(crate) struct DrawnBalls {
-    cases: Vec<(Stepping, DrawCalls, u32)>,
+    cases: Vec<DrawnCase>,
     size: ImageSize,
 }
 
@@ -44,19 +77,35 @@ pub(crate) struct DrawnBalls {
 pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<DrawnBalls> {
     let mut cases = Vec::new();
     for way in Stepping::ALL {
+        let of = |law, drawn, balls| DrawnCase {
+            way,
+            law,
+            drawn,
+            balls,
+        };
         for &balls in counts {
             let drawn = DrawCalls::ALL.into_iter();
             let drawn = drawn.filter(|drawn| *drawn != DrawCalls::Each || balls <= MOST_EACH);
-            cases.extend(drawn.map(|drawn| (way, drawn, balls)));
+            cases.extend(drawn.map(|drawn| of(Law::Published, drawn, balls)));
         }
+        // Other laws of what is published.
+        let laws = [Law::Guarded, Law::Event];
+        cases.extend(laws.map(|law| of(law, DrawCalls::Nothing, PICTURED_BALLS)));
     }
-    let case = |&(way, drawn, balls): &(Stepping, DrawCalls, u32)| {
+    let case = |case: &DrawnCase| {
+        let DrawnCase {
+            way,
+            law,
+            drawn,
+            balls,
+        } = case;
         let (interface, name) = way.names();
         let conditions = vec![
             (PART, "drawn".to_owned()),
             (INTERFACE, interface.to_owned()),
             (WAY, name.to_owned()),
             (GROUND, "terrain".to_owned()),
+            (INTEGRATOR, law.name().to_owned()),
             (DRAWN, drawn.name().to_owned()),
             (BALLS, balls.to_string()),
         ];
@@ -95,8 +144,8 @@ struct DrawnSession<'a> {
     group: &'a CaseGroup<DrawnBalls>,
     context: Context<'a>,
     terrain: Terrain,
-    /// By way and number of balls: how they went, and where they ended.
-    walked: BTreeMap<(Stepping, u32), (Walk, Vec<State>)>,
+    /// By way, law and number of balls: how they went, and where they ended.
+    walked: BTreeMap<(Stepping, Law, u32), (Walk, Vec<State>)>,
     /// Of the first picture of a way and number of balls, by which others are held.
     first: BTreeMap<(Stepping, u32), Vec<u32>>,
     /// By case.
@@ -110,6 +159,8 @@ struct BallOutcome {
     /// Balls that ended elsewhere than when they were followed.
     strayed: usize,
     uploaded: u64,
+    /// Bytes that may be: the CPU writes what it steps itself.
+    allowed: u64,
     judged: JudgedBalls,
     differing: usize,
     draws: usize,
@@ -120,26 +171,31 @@ struct BallOutcome {
 impl DrawnSession<'_> {
     fn run(&mut self, case: usize) -> Result<BallOutcome, DeviceError> {
         let DrawnBalls { ref cases, size } = self.group.work;
-        let (way, drawn, count) = cases[case];
+        let of_case = cases[case];
+        let DrawnCase {
+            way,
+            law,
+            drawn,
+            balls: count,
+        } = of_case;
         let balls = self.terrain.balls(count);
         let devices = self.context.devices;
-        let mut steps = way.open(devices, &constants(count), &balls, Some(&self.terrain))?;
+        let mut steps = way.open(devices, &of_case.constants(), &balls, Some(&self.terrain))?;
         let mut points = steps.points(size)?;
-        let (mut uploaded, mut strayed) = (0, 0);
-        let (walk, last) = match self.walked.get(&(way, count)) {
+        let (walk, last, strayed, mut uploaded) = match self.walked.get(&(way, law, count)) {
             // Followed before: the same steps, in frames of a few.
             Some((walk, there)) => {
-                uploaded = take_all(steps.as_mut())?;
+                let uploaded = take(steps.as_mut(), FLIGHT_STEPS)?;
                 let last = steps.read()?;
-                strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
+                let mut strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
                 strayed += last.len().abs_diff(there.len());
-                (*walk, last)
+                (*walk, last, strayed, uploaded)
             }
             None => {
-                let walk = walk(steps.as_mut(), &self.terrain, &balls)?;
+                let walk = walk(steps.as_mut(), &of_case.flight(&self.terrain), &balls)?;
                 let last = steps.read()?;
-                self.walked.insert((way, count), (walk, last.clone()));
-                (walk, last)
+                self.walked.insert((way, law, count), (walk, last.clone()));
+                (walk, last, 0, walk.uploaded)
             }
         };
         let ranges = drawn.ranges(count);
@@ -162,6 +218,10 @@ impl DrawnSession<'_> {
             found.numbers = numbers;
         }
         found.uploaded = uploaded;
+        found.allowed = match way {
+            Stepping::Cpu => u64::MAX,
+            _ => 0,
+        };
         let opened = Opened {
             steps,
             points,
@@ -178,7 +238,7 @@ impl DrawnSession<'_> {
         found: &BallOutcome,
     ) -> Result<Vec<(&'static str, String)>, StudyError> {
         let DrawnBalls { ref cases, size } = self.group.work;
-        let (_, drawn, balls) = cases[case];
+        let DrawnCase { drawn, balls, .. } = cases[case];
         if drawn != DrawCalls::All || balls != PICTURED_BALLS {
             return Ok(Vec::new());
         }
@@ -197,6 +257,7 @@ impl BallOutcome {
             walk,
             strayed,
             uploaded,
+            allowed,
             judged,
             differing,
             ..
@@ -206,8 +267,8 @@ impl BallOutcome {
             reason
         } else if *strayed > 0 {
             format!("{strayed} balls end elsewhere when steps are taken in frames of {TIMED}")
-        } else if *uploaded > 0 {
-            format!("{uploaded} bytes were uploaded while stepping and drawing, allowed 0")
+        } else if uploaded > allowed {
+            format!("{uploaded} bytes were uploaded while stepping and drawing")
         } else if judged.mismatched > 0 {
             format!(
                 "{} pixels show what the reference does not allow",
@@ -228,18 +289,27 @@ impl Session for DrawnSession<'_> {
         let found = self.run(case)?;
         let reason = found.reason();
         let mut figures = vec![
-            ("ball_terrain_max_m", found.walk.max_m),
-            ("ball_terrain_p95_m", found.walk.p95_m),
-            ("ball_terrain_rms_m", found.walk.rms_m),
-            ("ball_terrain_beyond", found.walk.beyond as f64),
-            ("ball_terrain_unexplained", found.walk.unexplained as f64),
-            ("ball_terrain_guided_m", found.walk.guided_max_m),
             ("ball_terrain_step_m", found.walk.step_m),
             ("ball_terrain_step_speed", found.walk.step_speed),
             ("ball_terrain_followed", found.walk.followed as f64),
+            ("ball_terrain_in_band", found.walk.in_band as f64),
+            ("ball_impacts", found.walk.impacts as f64),
+            ("ball_impact_max_s", found.walk.impact_max_s),
+            ("ball_impact_rms_s", found.walk.impact_rms_s),
+            ("ball_impact_missed", found.walk.missed_share),
+            ("ball_sunk_share", found.walk.sunk_share),
             ("ball_upload_bytes", found.uploaded as f64),
             ("ball_draws", found.draws as f64),
         ];
+        let of_impacts = [
+            ("ball_impact_place_m", found.walk.impact_place_m),
+            ("ball_impact_energy", found.walk.impact_energy),
+        ];
+        figures.extend(
+            of_impacts
+                .into_iter()
+                .filter_map(|(name, of)| Some((name, of?))),
+        );
         if found.draws > 0 {
             figures.push(("ball_mismatched_px", found.judged.mismatched as f64));
             figures.push(("ball_differing_px", found.differing as f64));
@@ -253,7 +323,9 @@ impl Session for DrawnSession<'_> {
         let watch = CpuStopwatch::start();
         opened.steps.step(1)?;
         let stepped_ms = watch.cpu_ms();
-        let mut figures = Vec::new();
+        let gpu_ms = opened.steps.gpu_ms()?;
+        let mut figures: Figures = Vec::new();
+        figures.extend(gpu_ms.map(|ms| ("ball_step_gpu_us", 1e3 * ms)));
         if !opened.ranges.is_empty() {
             let state = opened.steps.current();
             let gpu_ms = opened.points.draw(state, &opened.ranges)?;
@@ -302,17 +374,32 @@ mod tests {
             let times = session.time(at).expect("a time");
             assert!(times.iter().all(|(_, time)| *time >= 0.0), "{times:?}");
         }
-        // Negative controls: other ground, and a picture of balls that moved on.
+        // Negative controls: blocks in each other's layers, another law, and a picture of balls that moved on.
         let terrain = Terrain::new();
+        let mut exchanged = terrain.clone();
+        exchanged.blocks.swap(5, 6);
         let first = terrain.balls(500);
         for way in Stepping::ALL {
-            let open = || way.open(&devices, &constants(500), &first, Some(&terrain));
-            let (Ok(mut steps), Ok(mut other)) = (open(), open()) else {
+            let case = DrawnCase {
+                way,
+                law: Law::Event,
+                drawn: DrawCalls::All,
+                balls: 500,
+            };
+            let open = |over| way.open(&devices, &case.constants(), &first, Some(over));
+            let (Ok(mut steps), Ok(mut other)) = (open(&terrain), open(&exchanged)) else {
                 continue;
             };
-            let right = walk(steps.as_mut(), &terrain, &first).expect("steps");
+            let right = walk(steps.as_mut(), &case.flight(&terrain), &first).expect("steps");
             assert_eq!(right.reason(), "", "{way:?}");
-            let wrong = walk(other.as_mut(), &Terrain::flat(), &first).expect("steps");
+            let wrong = walk(other.as_mut(), &case.flight(&terrain), &first).expect("steps");
+            assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
+            let law = Flight {
+                law: Law::Guarded,
+                ..case.flight(&terrain)
+            };
+            let wrong = walk(open(&terrain).expect("opens").as_mut(), &law, &first);
+            let wrong = wrong.expect("steps");
             assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
             let last = steps.read().expect("reads");
             let mut points = steps.points(SIZE).expect("points");
@@ -328,7 +415,12 @@ mod tests {
 
     #[test]
     fn whatever_is_wrong_is_said() {
+        let walk = Walk {
+            impacts: 1,
+            ..Walk::default()
+        };
         let right = BallOutcome {
+            walk,
             judged: JudgedBalls {
                 mismatched: 0,
                 shown: 9,
@@ -338,7 +430,13 @@ mod tests {
         };
         assert_eq!(right.reason(), "");
         let said = |change: fn(&mut BallOutcome)| {
-            let mut wrong = BallOutcome::default();
+            let mut wrong = BallOutcome {
+                walk: Walk {
+                    impacts: 1,
+                    ..Walk::default()
+                },
+                ..BallOutcome::default()
+            };
             change(&mut wrong);
             wrong.reason()
         };

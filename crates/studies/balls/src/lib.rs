@@ -3,15 +3,17 @@
 //!
 //! Metres and seconds; heights upwards. A stiff spring pushes a ball out of the ground, or the ball is
 //! reflected. The reference is the closed form of both in `f64`, which shares nothing with the
-//! integrators. Set-up as published for balls on terrain by transform feedback (2007), whose text gives
-//! neither time step nor integrator.
+//! integrators. Over terrain balls fly freely and are reflected about its normal, beside exact events. Set-up as
+//! published for balls on terrain by transform feedback (2007), whose text gives neither time step nor integrator.
 
 mod arithmetic;
+mod by_cpu;
 mod chapter;
 mod closed_form;
 mod drawing;
 mod drawn;
 mod drop;
+mod flight;
 #[cfg(test)]
 mod formulas;
 mod integrator;

@@ -26,6 +26,10 @@ terrafill_results::conditions! {
     "reflect-explicit" = "explicit-euler; the velocity turns round whenever the ball is below the surface";
     "reflect-symplectic" = "symplectic-euler; the velocity turns round whenever the ball is below the surface";
     "reflect-guarded" = "reflect-symplectic for a ball that moves downwards only, which is put onto the surface";
+    "as-published" = "free flight; the velocity is reflected about the normal whenever the ball is below the ground";
+    "inwards-only" = "the same, only where the velocity leads into the ground";
+    "at-event" = "reflected where the ball met the ground, from which it flies on for the rest of the step";
+    "one-thread" = "balls stepped by one thread of the CPU, which writes them for the device to draw";
     "exact-event" = "the step cut at the time at which the parabola meets the surface";
     "f32" = "single precision";
     "rms" = "root mean square";
@@ -90,28 +94,6 @@ terrafill_results::metrics! {
         Kind::Bytes,
         "Bytes that the CPU wrote for the device during all steps.",
     );
-    BALL_TERRAIN_MAX_M = metres(
-        "ball_terrain_max_m",
-        "Largest distance of a ball over terrain from the same integrator in f64, after 240 steps.",
-    );
-    BALL_TERRAIN_P95_M = metres(
-        "ball_terrain_p95_m",
-        "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
-    );
-    BALL_TERRAIN_BEYOND = Metric::error(
-        "ball_terrain_beyond",
-        "",
-        "Balls over terrain that end more than 1 mm from the same integrator in f64.",
-    );
-    BALL_TERRAIN_UNEXPLAINED = Metric::error(
-        "ball_terrain_unexplained",
-        "",
-        "Those of them that never touched the ground in another cell than f64 had them in.",
-    );
-    BALL_TERRAIN_GUIDED_M = metres(
-        "ball_terrain_guided_m",
-        "Largest distance from f64 that takes the device's cell within 0.5 mm of a border, after 240 steps.",
-    );
     BALL_TERRAIN_STEP_M = metres(
         "ball_terrain_step_m",
         "Largest difference of a ball's place after one step from that of f64 from the same state, along an axis.",
@@ -125,7 +107,43 @@ terrafill_results::metrics! {
         "ball_terrain_followed",
         "Balls that were followed step by step.",
     );
-    BALL_TERRAIN_RMS_M = metres("ball_terrain_rms_m", "Root mean square of that distance.");
+    BALL_TERRAIN_IN_BAND = Metric::neither(
+        "ball_terrain_in_band",
+        "",
+        Kind::Error,
+        "Steps within 0.1 mm of a border or of the ground, which rounding decided otherwise than f64.",
+    );
+    BALL_IMPACTS = Metric::quantity(
+        "ball_impacts",
+        "Balls whose first impact was compared with the exact event.",
+    );
+    BALL_IMPACT_MAX_S = seconds(
+        "ball_impact_max_s",
+        "Largest difference of the time of a first impact from the exact event in f64.",
+    );
+    BALL_IMPACT_RMS_S = seconds(
+        "ball_impact_rms_s",
+        "Root mean square difference of times of first impacts from exact events in f64.",
+    );
+    BALL_IMPACT_PLACE_M = metres(
+        "ball_impact_place_m",
+        "Largest distance of the place of a first impact from the exact event in f64.",
+    );
+    BALL_IMPACT_ENERGY = Metric::error(
+        "ball_impact_energy",
+        "",
+        "Largest difference of the energy that a first impact takes from what the restitution says, as a share of it.",
+    );
+    BALL_IMPACT_MISSED = Metric::error(
+        "ball_impact_missed",
+        "",
+        "Share of the balls that had no first impact, or more than a step late.",
+    );
+    BALL_SUNK_SHARE = Metric::error(
+        "ball_sunk_share",
+        "",
+        "Share of the balls that are more than 25 cm below the ground at the end.",
+    );
     BALL_MISMATCHED_PX = Metric::error_px(
         "ball_mismatched_px",
         "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
@@ -156,6 +174,10 @@ terrafill_results::metrics! {
 
 const fn time_us(name: &'static str, meaning: &'static str) -> Metric {
     Metric::less(name, "µs", Kind::Time, meaning)
+}
+
+const fn seconds(name: &'static str, meaning: &'static str) -> Metric {
+    Metric::error(name, "s", meaning)
 }
 
 /// A difference from the reference in metres.

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Two states of all balls on a device, each step from one into the other; the CPU writes the first only.
+//! Two states of all balls on a device, each step from one into the other; the CPU writes the first only. Beside them
+//! balls that the CPU steps, and writes for the device that draws them.
 
+use crate::by_cpu::ByCpu;
 use crate::drawing::{DrawsBalls, VulkanPoints, WgpuPoints};
-use crate::terrain::{State, Terrain};
+use crate::terrain::{BLOCKS, SAMPLES, State, Terrain};
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_gpu::{PassTimer, TimedPass};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
-    Buffer, BufferUse, CapturePipeline, ComputePipeline, Dispatch, Resource, Resources, Shader,
-    StateStep, advance,
+    BlockImage, Buffer, BufferUse, CapturePipeline, ComputePipeline, Dispatch, ImageShape,
+    Resource, Resources, Shader, StateStep, advance,
 };
 
 const STEP: &str = "balls/step.wgsl";
-const STEP_OVER_TERRAIN: &str = "balls/step_terrain.wgsl";
+const STEP_OVER_TERRAIN: &str = "balls/fly.wgsl";
 const ENTRY: &str = "step_main";
 /// A workgroup of the shader.
 const GROUP: u32 = 64;
@@ -27,10 +29,16 @@ pub(crate) struct BallConstants {
     /// k/m, 1/s².
     pub(crate) stiffness: f32,
     pub(crate) count: u32,
-    /// A side of the terrain, and of a cell in metres.
+    /// Cells along a side of a block of the terrain, and a side of a cell in metres.
     pub(crate) cells: u32,
     pub(crate) cell_m: f32,
-    pub(crate) padding: [u32; 2],
+    /// Blocks along a side of the terrain.
+    pub(crate) blocks: u32,
+    /// What a ball does that is below the terrain: its number.
+    pub(crate) law: u32,
+    /// Share of the speed along the normal that a reflection leaves.
+    pub(crate) restitution: f32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// A way to step on a device.
@@ -39,11 +47,17 @@ pub(crate) enum Stepping {
     WgpuCompute,
     VulkanCompute,
     VulkanFeedback,
+    /// By a thread of the CPU, which writes the balls for Vulkan to draw.
+    Cpu,
 }
 
 impl Stepping {
-    pub(crate) const ALL: [Self; 3] =
-        [Self::WgpuCompute, Self::VulkanCompute, Self::VulkanFeedback];
+    pub(crate) const ALL: [Self; 4] = [
+        Self::WgpuCompute,
+        Self::VulkanCompute,
+        Self::VulkanFeedback,
+        Self::Cpu,
+    ];
 
     /// Interface and way, as in tables.
     pub(crate) fn names(self) -> (&'static str, &'static str) {
@@ -51,7 +65,18 @@ impl Stepping {
             Self::WgpuCompute => ("wgpu", "compute"),
             Self::VulkanCompute => ("vulkan", "compute"),
             Self::VulkanFeedback => ("vulkan", "transform-feedback"),
+            Self::Cpu => ("cpu", "one-thread"),
         }
+    }
+
+    /// Bytes that must be written for the device in so many submissions of steps: none where it steps the balls itself.
+    pub(crate) fn uploads(self, balls: u32, submissions: u32) -> u64 {
+        let state = if self == Self::Cpu {
+            size_of::<State>()
+        } else {
+            0
+        };
+        state as u64 * u64::from(balls) * u64::from(submissions)
     }
 
     /// Puts the balls onto the device, over terrain or over level ground at height 0.
@@ -64,6 +89,7 @@ impl Stepping {
     ) -> Result<Box<dyn Steps>, DeviceError> {
         Ok(match self {
             Self::WgpuCompute => Box::new(OnWgpu::new(devices, constants, balls, terrain)?),
+            Self::Cpu => Box::new(ByCpu::new(devices, constants, balls, terrain)?),
             _ => Box::new(OnVulkan::new(self, devices, constants, balls, terrain)?),
         })
     }
@@ -109,23 +135,29 @@ impl OnWgpu {
         let second = gpu.unwritten("balls", first.size(), usage);
         let uniform = wgpu::BufferUsages::UNIFORM;
         let constants = gpu.upload("ball constants", bytemuck::bytes_of(constants), uniform)?;
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let stage = wgpu::ShaderStages::COMPUTE;
+        let buffer = |ty| wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
         let mut types = vec![
-            wgpu::BufferBindingType::Uniform,
+            buffer(wgpu::BufferBindingType::Uniform),
             storage(true),
             storage(false),
         ];
-        types.extend(terrain.map(|_| storage(true)));
-        let heights = terrain.map(|terrain| {
-            let bytes = bytemuck::cast_slice(&terrain.heights);
-            gpu.upload("heights", bytes, wgpu::BufferUsages::STORAGE)
-        });
-        let heights = heights.transpose()?;
-        let layout = gpu.buffer_layout("balls", wgpu::ShaderStages::COMPUTE, &types);
+        let heights = terrain.map(|terrain| layers(&gpu, terrain)).transpose()?;
+        types.extend(heights.as_ref().map(|_| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        }));
+        let layout = gpu.mixed_layout("balls", types.into_iter().map(|ty| (stage, ty)));
         let bound = [(&first, &second), (&second, &first)].map(|(from, to)| {
-            let mut buffers = vec![&constants, from, to];
-            buffers.extend(&heights);
-            gpu.bind_buffers("balls", &layout, &buffers)
+            let buffers = [&constants, from, to].map(wgpu::Buffer::as_entire_binding);
+            let heights = heights.iter().map(wgpu::BindingResource::TextureView);
+            gpu.bind("balls", &layout, buffers.into_iter().chain(heights))
         });
         let module = gpu.shader(step_shader(terrain))?;
         Ok(Self {
@@ -183,6 +215,51 @@ impl Steps for OnWgpu {
     }
 }
 
+/// The terrain's blocks as layers of an array texture.
+fn layers(gpu: &terrafill_gpu::Gpu, terrain: &Terrain) -> Result<wgpu::TextureView, DeviceError> {
+    let limit = gpu.device.limits().max_texture_array_layers;
+    let depth_or_array_layers = BLOCKS * BLOCKS;
+    DeviceError::check_capacity("layers of an array texture", depth_or_array_layers, limit)?;
+    let size = wgpu::Extent3d {
+        width: SAMPLES,
+        height: SAMPLES,
+        depth_or_array_layers,
+    };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("blocks of terrain"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let heights = terrain.blocks.concat();
+    let rows = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * SAMPLES),
+        rows_per_image: Some(SAMPLES),
+    };
+    let bytes = bytemuck::cast_slice(&heights);
+    let place = texture.as_image_copy();
+    gpu.queue.write_texture(place, bytes, rows, size);
+    Ok(texture.create_view(&Default::default()))
+}
+
+/// The same on Vulkan.
+fn layers_on_vulkan(
+    gpu: &Arc<terrafill_vulkan::Gpu>,
+    terrain: &Terrain,
+) -> Result<Resource, DeviceError> {
+    let size = [SAMPLES; 2];
+    let image = BlockImage::new(gpu, size, ImageShape::Array(BLOCKS * BLOCKS))?;
+    for (layer, heights) in (0..).zip(&terrain.blocks) {
+        image.write([0, 0, layer], size, heights)?;
+    }
+    Ok(Resource::Blocks(Arc::new(image)))
+}
+
 fn step_shader(terrain: Option<&Terrain>) -> &'static str {
     terrain.map_or(STEP, |_| STEP_OVER_TERRAIN)
 }
@@ -227,18 +304,15 @@ impl OnVulkan {
         let bytes = bytemuck::bytes_of(constants);
         let constants = Buffer::upload(&gpu, "ball constants", bytes, BufferUse::Uniform)?;
         let constants = Arc::new(constants);
-        let heights = terrain.map(|terrain| {
-            let bytes = bytemuck::cast_slice(&terrain.heights);
-            Buffer::upload(&gpu, "heights", bytes, BufferUse::Storage)
-        });
-        let heights = heights.transpose()?.map(Arc::new);
+        let heights = terrain.map(|terrain| layers_on_vulkan(&gpu, terrain));
+        let heights = heights.transpose()?;
         let bind = |from: usize| {
             let mut all = vec![
                 Resource::Uniform(Arc::clone(&constants)),
                 Resource::Storage(Arc::clone(&states[from])),
                 Resource::Storage(Arc::clone(&states[1 - from])),
             ];
-            all.extend(heights.clone().map(Resource::Storage));
+            all.extend(heights.clone());
             Resources::new(&gpu, all)
         };
         let bound = [bind(0)?, bind(1)?];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Terrain under the balls, its view, and a step over it in `f64`: what devices are held against.
+//! Terrain under the balls in blocks, its view, and where a ball in free flight meets it, in `f64`: what devices are
+//! held against.
 //!
-//! Metres from the terrain's corner, z up. The tile is small, so that `f32` moves a ball by 2 µm at
-//! worst when it rounds a place.
+//! Metres from the terrain's corner, z up. Blocks share the samples of their borders. Sides of cells and blocks are
+//! powers of two, so that `f32` chooses a block without rounding.
 
 use crate::arithmetic::Real as _;
 use crate::closed_form::GRAVITY;
@@ -10,51 +11,79 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;
 
-/// Place and velocity of a ball, four numbers each as published.
+/// Place and velocity of a ball, four numbers each as published; over terrain the fourth are the steps taken, and the
+/// time of the first impact in steps, 0 before it.
 pub(crate) type State = [[f32; 4]; 2];
 
-/// A side, cells.
-pub(crate) const CELLS: u32 = 64;
+/// Blocks along a side of the terrain.
+pub(crate) const BLOCKS: u32 = 4;
+/// Cells along a side of a block, as published.
+pub(crate) const CELLS: u32 = 256;
+/// Samples along a side of a block.
+pub(crate) const SAMPLES: u32 = CELLS + 1;
 /// A side of a cell.
-pub(crate) const CELL_M: f64 = 1.0;
-pub(crate) const SIDE_M: f64 = 64.0;
+pub(crate) const CELL_M: f64 = 0.25;
+const SIDE_M: f64 = 256.0;
+/// No ball begins nearer to the terrain's border: in a second none flies as far.
+const MARGIN_M: f64 = 8.0;
+/// Balls begin as high as this above the ground, metres, and as fast as this at most, metres a second.
+const ABOVE_M: [f64; 2] = [0.1, 1.3];
+const FASTEST: f64 = 3.0;
 
-/// Heights of (cells + 1)² vertices, bilinear between.
+/// Heights of samples in blocks, bilinear between.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Terrain {
-    pub(crate) heights: Vec<f32>,
+    /// Of each block [`SAMPLES`]² heights, row by row; blocks row by row.
+    pub(crate) blocks: Vec<Vec<f32>>,
 }
 
 impl Terrain {
-    /// Waves of 2 m, 40 m and 30 m long.
+    /// Waves of 2 m, 40 m and 30 m long, with ripples of 10 cm, 5 m long.
     pub(crate) fn new() -> Self {
-        let wave = |column: u32, row: u32| {
-            let x = TAU * f64::from(column) * CELL_M / 40.0;
-            let y = TAU * f64::from(row) * CELL_M / 30.0 + 0.3;
-            // The nearest f32 is the height that device and reference share.
-            f32::of(2.0 * x.sin() * y.sin())
-        };
-        let rows = 0..=CELLS;
-        let vertices = rows.flat_map(|row| (0..=CELLS).map(move |column| wave(column, row)));
-        Self {
-            heights: vertices.collect(),
-        }
+        Self::of(|x, y| {
+            let wave = 2.0 * (TAU * x / 40.0).sin() * (TAU * y / 30.0 + 0.3).sin();
+            wave + 0.1 * (TAU * (x + 0.7 * y) / 5.0).sin()
+        })
     }
 
     /// Level ground at height 0: other ground than that of devices.
     #[cfg(test)]
     pub(crate) fn flat() -> Self {
+        Self::of(|_, _| 0.0)
+    }
+
+    fn of(height: impl Fn(f64, f64) -> f64) -> Self {
+        let block = |number: u32| {
+            let first = [number % BLOCKS, number / BLOCKS].map(|at| at * CELLS);
+            let sample = |at: u32| {
+                let [x, y] = [first[0] + at % SAMPLES, first[1] + at / SAMPLES];
+                // The nearest f32 is the height that device and reference share.
+                f32::of(height(f64::from(x) * CELL_M, f64::from(y) * CELL_M))
+            };
+            (0..SAMPLES * SAMPLES).map(sample).collect()
+        };
         Self {
-            heights: vec![0.0; (CELLS as usize + 1).pow(2)],
+            blocks: (0..BLOCKS * BLOCKS).map(block).collect(),
         }
     }
 
-    /// The cell that a place lies in, or the nearest one.
+    /// The cell that a place lies in, or the nearest one; numbered from the terrain's corner.
     pub(crate) fn cell_of(place: DVec2) -> DVec2 {
-        let last = f64::from(CELLS - 1);
+        let last = f64::from(BLOCKS * CELLS - 1);
         (place / CELL_M)
             .floor()
             .clamp(DVec2::ZERO, DVec2::splat(last))
+    }
+
+    /// A cell's surface: the height is `a + b x + c y + d x y` of shares of the cell.
+    fn surface(&self, cell: DVec2) -> [f64; 4] {
+        let [x, y] = cell.to_array().map(whole);
+        let block = &self.blocks[(y / CELLS * BLOCKS + x / CELLS) as usize];
+        let side = SAMPLES as usize;
+        let first = (y % CELLS) as usize * side + (x % CELLS) as usize;
+        let corner = |offset: usize| f64::from(block[first + offset]);
+        let (a, b, c) = (corner(0), corner(1) - corner(0), corner(side) - corner(0));
+        [a, b, c, corner(side + 1) - corner(side) - b]
     }
 
     /// Height of the ground at a place, and its slopes along x and y.
@@ -63,56 +92,93 @@ impl Terrain {
     }
 
     /// The same of a cell's own surface, which goes on beyond its borders.
-    fn at_in(&self, cell: DVec2, place: DVec2) -> (f64, DVec2) {
+    pub(crate) fn at_in(&self, cell: DVec2, place: DVec2) -> (f64, DVec2) {
         let share = place / CELL_M - cell;
-        let side = CELLS as usize + 1;
-        let first = whole(cell.y) as usize * side + whole(cell.x) as usize;
-        let corner = |offset: usize| f64::from(self.heights[first + offset]);
-        // h = a + b x + c y + d x y on a cell.
-        let (a, b, c) = (corner(0), corner(1) - corner(0), corner(side) - corner(0));
-        let d = corner(side + 1) - corner(side) - b;
+        let [a, b, c, d] = self.surface(cell);
         let height = a + b * share.x + c * share.y + d * share.x * share.y;
         let slopes = DVec2::new(b + d * share.y, c + d * share.x) / CELL_M;
         (height, slopes)
     }
 
-    /// Whether a ball at a place pushes the ground of a cell in.
-    pub(crate) fn touches(&self, cell: DVec2, place: DVec3) -> bool {
-        self.at_in(cell, place.truncate()).0 > place.z
-    }
-
-    /// Takes a step of symplectic Euler: a spring pushes along the normal.
-    pub(crate) fn step(&self, ball: &mut [DVec3; 2], step_s: f64, stiffness: f64) {
-        let cell = Self::cell_of(ball[0].truncate());
-        self.step_in(cell, ball, step_s, stiffness);
-    }
-
-    /// The same over a cell's own surface.
-    pub(crate) fn step_in(&self, cell: DVec2, ball: &mut [DVec3; 2], step_s: f64, stiffness: f64) {
-        let [place, velocity] = ball;
-        let (height, slopes) = self.at_in(cell, place.truncate());
-        let mut acceleration = DVec3::new(0.0, 0.0, -GRAVITY);
-        let under = height - place.z;
-        if under > 0.0 {
-            let normal = (-slopes).extend(1.0).normalize();
-            acceleration += normal * (stiffness * under * normal.z);
+    /// When a ball in free flight first meets the ground, seconds from now, exact but for rounding: over a cell the
+    /// gap is a quadratic of time. `None` where it does not within this time, or leaves the terrain.
+    ///
+    /// - `ball`: place and velocity
+    pub(crate) fn meets(&self, ball: &[DVec3; 2], within_s: f64) -> Option<f64> {
+        let [place, velocity] = *ball;
+        let mut cell = Self::cell_of(place.truncate());
+        let mut now = 0.0_f64;
+        loop {
+            let mut until = within_s;
+            let mut onward = DVec2::ZERO;
+            for axis in [DVec2::X, DVec2::Y] {
+                let speed = velocity.truncate().dot(axis);
+                let border = (cell.dot(axis) + f64::from(speed > 0.0)) * CELL_M;
+                let leaves = (border - place.truncate().dot(axis)) / speed;
+                if speed.abs() > 0.0 && leaves < until {
+                    until = leaves;
+                    onward = axis * speed.signum();
+                }
+            }
+            let until = until.max(now);
+            if let Some(time) = first_at_or_below(self.gap(cell, ball), now, until) {
+                return Some(time);
+            }
+            now = until;
+            cell += onward;
+            let is_there = Self::cell_of((cell + 0.5) * CELL_M) == cell;
+            if onward == DVec2::ZERO || !is_there {
+                return None;
+            }
         }
-        *velocity += acceleration * step_s;
-        *place += *velocity * step_s;
     }
 
-    /// Balls at rest from 0.1 to 0.3 m above the ground, evenly over all of it.
+    /// Gap of a ball in free flight over a cell's surface: coefficients of time, its square last.
+    fn gap(&self, cell: DVec2, [place, velocity]: &[DVec3; 2]) -> [f64; 3] {
+        let [a, b, c, d] = self.surface(cell);
+        let at = place.truncate() / CELL_M - cell;
+        let by = velocity.truncate() / CELL_M;
+        [
+            place.z - (a + b * at.x + c * at.y + d * at.x * at.y),
+            velocity.z - (b * by.x + c * by.y + d * (at.x * by.y + at.y * by.x)),
+            -0.5 * GRAVITY - d * by.x * by.y,
+        ]
+    }
+
+    /// Balls above the ground that fly level in all directions. Places follow a sequence that fills the terrain evenly
+    /// (Roberts 2018), so that a ball is the same however many there are.
     pub(crate) fn balls(&self, count: u32) -> Vec<State> {
-        let side = whole(f64::from(count).sqrt().ceil());
-        let along = |number: u32| (f64::from(number) + 0.5) / f64::from(side) * SIDE_M;
         let ball = |number: u32| {
-            let place = DVec2::new(along(number % side), along(number / side));
-            let above = 0.1 + 0.2 * (f64::from(number) + 0.5) / f64::from(count);
+            let of = |step: f64| (0.5 + step * f64::from(number)).fract();
+            let share = DVec2::new(of(0.754_877_666_246_692_8), of(0.569_840_290_998_053_2));
+            let place = MARGIN_M + (SIDE_M - 2.0 * MARGIN_M) * share;
+            let rising = of(0.618_033_988_749_894_9);
+            let above = ABOVE_M[0] + (ABOVE_M[1] - ABOVE_M[0]) * rising;
+            let speed = FASTEST * of(0.819_172_513_396_164_4);
+            let velocity = speed * DVec2::from_angle(TAU * of(0.671_043_606_703_789_2));
             let place = place.extend(self.at(place).0 + above).as_vec3();
-            [place.extend(1.0).to_array(), [0.0; 4]]
+            let velocity = velocity.extend(0.0).as_vec3();
+            [place, velocity].map(|of| of.extend(0.0).to_array())
         };
         (0..count).map(ball).collect()
     }
+}
+
+/// First time from `now` to `until` at which a quadratic is not above 0.
+fn first_at_or_below([constant, linear, square]: [f64; 3], now: f64, until: f64) -> Option<f64> {
+    let at = |time: f64| constant + time * (linear + time * square);
+    if at(now) <= 0.0 {
+        return Some(now);
+    }
+    let discriminant = linear * linear - 4.0 * square * constant;
+    if discriminant < 0.0 {
+        return None;
+    }
+    // Both roots without cancellation; what is no number lies nowhere.
+    let half = -0.5 * (linear + discriminant.sqrt().copysign(linear));
+    let roots = [half / square, constant / half].into_iter();
+    let inside = roots.filter(|root| (now..=until).contains(root));
+    inside.min_by(f64::total_cmp)
 }
 
 /// A place in a picture or among cells without its fraction. Whoever calls makes sure that it lies there.
@@ -139,8 +205,8 @@ const NEAR_M: f64 = 1.0;
 
 impl BallView {
     pub(crate) fn new() -> Self {
-        let eye = DVec3::new(30.0, -40.0, 38.0);
-        let forward = (DVec3::new(32.0, 24.0, 0.0) - eye).normalize();
+        let eye = DVec3::new(120.0, -160.0, 152.0);
+        let forward = (DVec3::new(128.0, 96.0, 0.0) - eye).normalize();
         let right = forward.cross(DVec3::Z).normalize();
         Self {
             eye,
@@ -251,16 +317,44 @@ mod tests {
     use super::*;
 
     #[test]
-    fn heights_are_those_of_vertices_and_slopes_those_of_differences() {
+    fn heights_are_those_of_samples_in_every_block_and_slopes_those_of_differences() {
         let terrain = Terrain::new();
-        let (height, _) = terrain.at(DVec2::new(10.0, 20.0));
-        assert!((height - f64::from(terrain.heights[20 * 65 + 10])).abs() < 1e-12);
-        let place = DVec2::new(10.3, 20.6);
+        // Sample 20, 10 of the block in column 2, row 1.
+        let (height, _) = terrain.at(DVec2::new(2.0, 1.0) * 64.0 + DVec2::new(5.0, 2.5));
+        let sample = terrain.blocks[6][10 * SAMPLES as usize + 20];
+        assert!((height - f64::from(sample)).abs() < 1e-12);
+        // Negative control: another layer has another height there.
+        assert!((height - f64::from(terrain.blocks[9][10 * SAMPLES as usize + 20])).abs() > 1e-3);
+        let place = DVec2::new(100.3, 200.6);
         let (height, slopes) = terrain.at(place);
         let beside = |off: DVec2| (terrain.at(place + off).0 - height) / 1e-4;
         assert!((beside(DVec2::X * 1e-4) - slopes.x).abs() < 1e-6);
         assert!((beside(DVec2::Y * 1e-4) - slopes.y).abs() < 1e-6);
         assert!(slopes.length() > 1e-3);
+        // Blocks agree at their border.
+        let border = DVec2::new(64.0, 17.2);
+        let one = terrain.at(border - DVec2::X * 1e-9).0;
+        assert!((one - terrain.at(border).0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn balls_meet_the_ground_when_small_steps_say_so() {
+        let (terrain, level) = (Terrain::new(), Terrain::flat());
+        for ball in terrain.balls(300) {
+            let ball = ball.map(|of| DVec3::from_slice(&of.map(f64::from)));
+            let exact = terrain.meets(&ball, 1.0).expect("it falls");
+            let gap = |time: f64| {
+                let fallen = DVec3::Z * (0.5 * GRAVITY * time * time);
+                let place = ball[0] + ball[1] * time - fallen;
+                place.z - terrain.at(place.truncate()).0
+            };
+            assert!(gap(exact).abs() < 1e-9, "{ball:?}: {}", gap(exact));
+            let is_above = (0..1_000).all(|part| gap(exact * f64::from(part) / 1e3) > 0.0);
+            assert!(is_above, "{ball:?}");
+            // Negative control: over level ground it is another time.
+            let other = level.meets(&ball, 1.0);
+            assert!(other.is_none_or(|other| (other - exact).abs() > 1e-6));
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use terrafill_results::{Case, Clock, Finding, Metric};
 /// Numbers of balls between which the slope is taken.
 const SLOPE: [&str; 2] = ["10000", "1000000"];
 /// Slopes of log time over log number of balls that count as proportional.
-const PROPORTIONAL: std::ops::RangeInclusive<f64> = 0.9..=1.1;
+pub(super) const PROPORTIONAL: std::ops::RangeInclusive<f64> = 0.9..=1.1;
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Steps on devices",
@@ -97,7 +97,8 @@ pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
             slope.map_or_else(String::new, |slope| format!("slope {}", significant(slope))),
         )
     };
-    let most = own.greatest(BALL_UPLOAD_BYTES);
+    let devices = own.fitting(|case| case.condition(INTERFACE) != Stepping::Cpu.names().0);
+    let most = devices.greatest(BALL_UPLOAD_BYTES);
     let mut findings = Stepping::ALL.map(of_way).to_vec();
     findings.push(finding(
         "The CPU uploads nothing while balls step on a device:",

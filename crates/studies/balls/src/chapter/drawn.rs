@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls over terrain that are drawn.
 
+use super::devices::PROPORTIONAL;
 use super::number::number;
 use crate::drawing::DrawCalls;
+use crate::flight::{ALLOWED_STEP_M, ALLOWED_STEP_SPEED, Law};
 use crate::metrics::*;
 use crate::stepping::Stepping;
-use crate::walk::ALLOWED_M;
-use terrafill_lab::{Cases, Column, Comparison, Figure, Names, Section, Select, finding};
-use terrafill_plot::number::{significant, times};
+use crate::walk::{ALLOWED_ENERGY, ALLOWED_EVENT_S};
+use std::collections::BTreeMap;
+use terrafill_lab::{
+    Cases, Column, Comparison, Drawing, Figure, Names, Panel, Section, Select, finding, log_slope,
+};
+use terrafill_plot::number::{figure, significant, times};
 use terrafill_results::{
-    Block, Case, Claim, Clock, Estimate, Finding, Metric, Noise, Outcome, Scope, ratio,
+    Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Metric, Noise, Row, Scope, Table,
+    over_processes, process_medians, ratio,
 };
 
 /// The one number that was published with balls.
@@ -20,16 +26,18 @@ const WHAT_FIGURE_12_CANNOT_SHOW: &str = "Published is a figure of seconds a ste
 
 pub(super) const SECTION: Section<'static> = Section {
     title: "Balls over terrain, drawn",
-    text: "Balls fall from 0.1 to 0.3 m onto bilinear terrain of 64 × 64 m, whose spring of k/m = 1e3 1/s² pushes along \
-           the normal, and are drawn as points from the buffer that the step wrote: not at all, by one draw for all, or \
-           by a draw each. A frame is one step and its draws. Each step is held against the same integrator in f64, \
-           pictures against the places that the device has. Slopes jump from cell to cell: a ball that touches the \
-           ground within rounding of a border may be pushed from either side and ends elsewhere. So its end is \
-           compared with f64 that takes the device's cell there.",
+    text: "Balls fly level at up to 3 m/s from 0.1 to 1.3 m above bilinear terrain of 4 × 4 blocks with 257 × 257 heights \
+           each. The blocks are layers of one array texture, and a ball's place chooses its layer. In 144 steps of 1/240 s \
+           a ball that is below the ground is reflected about its normal, which leaves 0.8 of the speed along it. A step \
+           is from one buffer into another; the CPU's way writes all balls for the device. They are drawn as points: not \
+           at all, by one draw for all, or by a draw each; a frame is one step and its draws. Each step is held against \
+           f64 from the same state, the first impact against the exact event in f64, pictures against the places that \
+           the device has.",
     cases: Select::With(PART, "drawn"),
     named_by: Names::Columns(&[
         ("interface", INTERFACE),
         ("way", WAY),
+        ("reflected", INTEGRATOR),
         ("drawn", DRAWN),
         ("balls", BALLS),
     ]),
@@ -45,20 +53,175 @@ pub(super) const SECTION: Section<'static> = Section {
         of_drawn("GPU µs of the draws", BALL_DRAW_GPU_US),
         Column::metric("draws", BALL_DRAWS),
         Column::metric("uploaded", BALL_UPLOAD_BYTES),
+        Column::metric("GPU µs of the step", BALL_STEP_GPU_US).or("the device keeps no time"),
         Column::metric("a step's error, m", BALL_TERRAIN_STEP_M),
-        Column::metric("largest error in the same cells, m", BALL_TERRAIN_GUIDED_M),
-        Column::metric("95 % within, m", BALL_TERRAIN_P95_M),
-        Column::metric("largest error, m", BALL_TERRAIN_MAX_M),
+        Column::metric("first impact's error, s", BALL_IMPACT_MAX_S),
+        Column::metric("its place's, m", BALL_IMPACT_PLACE_M).or(OF_FEW),
+        Column::metric("its energy's, share", BALL_IMPACT_ENERGY).or(OF_FEW),
+        Column::metric("missed, share", BALL_IMPACT_MISSED),
+        Column::metric("sunk, share", BALL_SUNK_SHARE),
         of_drawn("wrong pixels", BALL_MISMATCHED_PX),
     ],
     findings: &[
         |cases| each_is_slower(cases, Stepping::ALL[0]),
         |cases| each_is_slower(cases, Stepping::ALL[1]),
         |cases| each_is_slower(cases, Stepping::ALL[2]),
+        |cases| each_is_slower(cases, Stepping::ALL[3]),
     ],
-    more: &[|_| Ok(Some(Block::Remark(WHAT_FIGURE_12_CANNOT_SHOW.to_owned())))],
+    drawing: Some(Drawing {
+        caption: "A step of balls that are reflected as published, nothing drawn.",
+        panels: &[Panel {
+            title: "as figure 12",
+            across: ("balls", Figure::Condition(BALLS)),
+            up: (
+                "a step, µs",
+                Figure::ByClock(BALL_STEP_GPU_US, BALL_FRAME_CPU_US),
+            ),
+            curve: Names::Joined(&[INTERFACE, WAY, DRAWN, INTEGRATOR]),
+            knob: Figure::Condition(BALLS),
+            ..Panel::EMPTY
+        }],
+    }),
+    more: &[
+        |cases| Ok(Some(Block::Table(growth(cases)))),
+        |_| Ok(Some(Block::Remark(WHAT_FIGURE_12_CANNOT_SHOW.to_owned()))),
+    ],
     ..Section::EMPTY
 };
+
+/// Why figures of a first impact are absent.
+const OF_FEW: &str = "of so many balls not every step is looked at";
+/// Frames a second of the one number that was published.
+const PUBLISHED_FPS: f64 = 21.0;
+/// Numbers of balls between which the exponent is taken, and up to which figure 12 goes.
+const EXPONENT: [f64; 2] = [1e4, 1e6];
+const FIGURE_12: f64 = 5_000.0;
+
+/// Time of a step of each process, microseconds, by the number of balls.
+fn steps(cases: &Cases<'_>, way: Stepping) -> Vec<(f64, BTreeMap<u32, f64>)> {
+    let (interface, name) = way.names();
+    let metric = match way {
+        Stepping::Cpu => BALL_FRAME_CPU_US,
+        _ => cases.clock().pick(BALL_STEP_GPU_US, BALL_FRAME_CPU_US),
+    };
+    let own = cases.with(&[
+        (INTERFACE, interface),
+        (WAY, name),
+        (DRAWN, DrawCalls::Nothing.name()),
+        (INTEGRATOR, Law::Published.name()),
+    ]);
+    let own = own.iter().filter(|case| case.counts());
+    own.map(|case| (number(case, BALLS), process_medians(case, metric)))
+        .collect()
+}
+
+/// Fixed microseconds and microseconds a ball by least squares of relative errors; `None` below three points.
+fn line(points: &[(f64, f64)]) -> Option<[f64; 2]> {
+    if points.len() < 3 {
+        return None;
+    }
+    let mut sums = [0.0_f64; 5];
+    for (balls, us) in points {
+        let weight = (us * us).recip();
+        let terms = [1.0, *balls, balls * balls, *us, balls * us];
+        for (sum, term) in sums.iter_mut().zip(terms) {
+            *sum += weight * term;
+        }
+    }
+    let [one, x, xx, y, xy] = sums;
+    let determinant = one * xx - x * x;
+    let each = (one * xy - x * y) / determinant;
+    Some([(y - each * x) / one, each])
+}
+
+/// What a fit finds in every process that measured all of it.
+fn over<const N: usize>(
+    steps: &[(f64, BTreeMap<u32, f64>)],
+    fits: impl Fn(f64) -> bool,
+    fit: impl Fn(&[(f64, f64)]) -> Option<[f64; N]>,
+) -> Option<[Estimate; N]> {
+    let steps: Vec<_> = steps.iter().filter(|(balls, _)| fits(*balls)).collect();
+    let (_, first) = steps.first()?;
+    let of_process = |process: &u32| {
+        let point =
+            |(balls, times): &&(f64, BTreeMap<u32, f64>)| Some((*balls, *times.get(process)?));
+        fit(&steps.iter().map(point).collect::<Option<Vec<_>>>()?)
+    };
+    let fits: Vec<[f64; N]> = first.keys().filter_map(of_process).collect();
+    let estimates: Option<Vec<Estimate>> = (0..N)
+        .map(|at| over_processes(&fits.iter().map(|fit| fit[at]).collect::<Vec<_>>()))
+        .collect();
+    estimates?.try_into().ok()
+}
+
+/// The exponent of time over numbers of balls.
+fn exponent(cases: &Cases<'_>, way: Stepping) -> Option<Estimate> {
+    let inside = |balls: f64| (EXPONENT[0]..=EXPONENT[1]).contains(&balls);
+    let fit = |points: &[(f64, f64)]| Some([log_slope(points.iter().copied())?]);
+    over(&steps(cases, way), inside, fit).map(|[exponent]| exponent)
+}
+
+/// How time grows with balls, by lines and exponents.
+fn growth(cases: &Cases<'_>) -> Table {
+    let row = |way: Stepping| {
+        let (interface, name) = way.names();
+        let fitted = over(&steps(cases, way), |balls| balls <= FIGURE_12, line);
+        let of = |at: usize| fitted.as_ref().map(|fitted| &fitted[at]);
+        let spread = |estimate: Option<&Estimate>, scale: f64| {
+            let scaled = estimate.map(|of| Estimate {
+                middle: of.middle * scale,
+                interval: of.interval.map(|both| both.map(|end| end * scale)),
+                processes: of.processes,
+            });
+            Cell::or_absent(
+                scaled.as_ref().map(figure),
+                "fewer than three numbers of balls were measured",
+            )
+        };
+        let frame_us = 1e6 / PUBLISHED_FPS;
+        let most = of(1).map(|each| significant(frame_us / each.middle));
+        Row::new(vec![
+            Cell::name(format!("{interface} {name}")),
+            spread(of(0), 1.0),
+            spread(of(1), 1e3),
+            spread(exponent(cases, way).as_ref(), 1.0),
+            Cell::or_absent(most, "no line"),
+        ])
+    };
+    let headings = [
+        "stepped by",
+        "fixed, µs",
+        "each ball, ns",
+        "exponent, 1e4 to 1e6 balls",
+        "balls at 21 frames a second",
+    ];
+    Table {
+        caption: "A step's time by number of balls: a line through 500 to 5,000, an exponent above"
+            .to_owned(),
+        headings: headings.map(Heading::plain).into(),
+        rows: Stepping::ALL.map(row).into(),
+        is_main: true,
+        ..Table::default()
+    }
+}
+
+/// Whether time grows as balls do: the whole interval lies within 0.9 to 1.1.
+fn is_linear(cases: &Cases<'_>, way: Stepping) -> Finding {
+    let (interface, name) = way.names();
+    let found = exponent(cases, way);
+    let ends = |of: &Estimate| of.interval.unwrap_or([of.middle; 2]);
+    let holds = found
+        .as_ref()
+        .map(|of| ends(of).iter().all(|end| PROPORTIONAL.contains(end)));
+    finding(
+        format!(
+            "{} of a step over terrain by {interface} {name} grows as the balls do, from 1e4 to 1e6:",
+            cases.clock().pick("GPU time", "CPU time")
+        ),
+        holds,
+        found.map_or_else(String::new, |of| format!("exponent {}", figure(&of))),
+    )
+}
 
 const fn of_drawn(heading: &'static str, metric: &'static Metric) -> Column {
     Column::metric(heading, metric).or_of(|case| match case.condition(DRAWN) {
@@ -146,59 +309,84 @@ pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
     if own.is_empty() {
         return Vec::new();
     }
-    let wrong = own.iter().any(|case| case.outcome == Outcome::Wrong);
     let most = |metric| own.greatest(metric);
-    let none = |claim: &str, what: &str, most: Option<f64>| {
-        let because = most.map(|most| format!("at most {most} {what}"));
-        finding(
-            claim,
-            most.map(|most| most <= 0.0),
-            because.unwrap_or_default(),
-        )
+    let text = |found: Option<f64>, unit: &str| {
+        found.map_or_else(String::new, |found| {
+            format!("at most {} {unit}", significant(found))
+        })
     };
-    let far = |far: Option<f64>| {
-        far.map_or_else(String::new, |far| format!("at most {} m", significant(far)))
+    let at_most = |claim: String, unit: &str, most: Option<f64>, allowed: f64| {
+        finding(claim, most.map(|most| most <= allowed), text(most, unit))
     };
-    let (step, guided) = (most(BALL_TERRAIN_STEP_M), most(BALL_TERRAIN_GUIDED_M));
-    let beyond = most(BALL_TERRAIN_BEYOND).zip(most(BALL_TERRAIN_MAX_M));
+    let devices = own.fitting(|case| case.condition(INTERFACE) != Stepping::Cpu.names().0);
+    let of_law = |law: Law| own.with(&[(INTEGRATOR, law.name())]);
     let pixels = most(BALL_MISMATCHED_PX).zip(most(BALL_DIFFERING_PX));
-    vec![
-        finding(
-            "Every step of a ball over terrain is that of f64 from the same state, to the last places:",
-            step.map(|_| !wrong),
-            far(step),
+    let mut findings = vec![
+        at_most(
+            format!(
+                "Every step of a ball over terrain is within {ALLOWED_STEP_M} m of f64 from the same state:"
+            ),
+            "m",
+            most(BALL_TERRAIN_STEP_M),
+            ALLOWED_STEP_M,
         ),
-        finding(
-            "Balls over terrain are within 1 mm of f64 that takes the device's cell at borders:",
-            guided.map(|guided| guided <= ALLOWED_M),
-            far(guided),
+        at_most(
+            format!("And its velocity within {ALLOWED_STEP_SPEED} m/s:"),
+            "m/s",
+            most(BALL_TERRAIN_STEP_SPEED),
+            ALLOWED_STEP_SPEED,
         ),
-        finding(
-            "Balls farther from f64 of its own have all touched ground in another cell:",
-            most(BALL_TERRAIN_UNEXPLAINED).map(|unexplained| unexplained <= 0.0),
-            beyond.map_or_else(String::new, |(beyond, far)| {
-                format!(
-                    "at most {beyond} such balls in a case, up to {} m",
-                    significant(far)
-                )
-            }),
-        ),
-        none(
-            "One draw for all and a draw each show the same balls, those of the reference:",
-            "wrong pixels",
-            pixels.map(|(wrong, differing)| wrong + differing),
-        ),
-        none(
-            "The CPU uploads nothing while balls over terrain step and are drawn:",
-            "B",
-            most(BALL_UPLOAD_BYTES),
-        ),
-    ]
+    ];
+    for law in Law::ALL {
+        let [late, energy, sunk] = [BALL_IMPACT_MAX_S, BALL_IMPACT_ENERGY, BALL_SUNK_SHARE]
+            .map(|metric| of_law(law).greatest(metric));
+        findings.push(finding(
+            format!(
+                "Balls reflected {} meet the ground within {} ms of the exact event, and lose what the restitution says:",
+                law.name(),
+                1e3 * ALLOWED_EVENT_S
+            ),
+            late.zip(energy)
+                .map(|(late, energy)| late <= ALLOWED_EVENT_S && energy <= ALLOWED_ENERGY),
+            [
+                text(late, "s"),
+                text(energy, "of the energy that the impact takes"),
+                text(sunk.map(|sunk| 100.0 * sunk), "% of the balls sink"),
+            ]
+            .join(", "),
+        ));
+    }
+    findings.extend(Stepping::ALL.map(|way| is_linear(&own, way)));
+    findings.push(at_most(
+        "One draw for all and a draw each show the same balls, those of the reference:".to_owned(),
+        "wrong pixels",
+        pixels.map(|(wrong, differing)| wrong + differing),
+        0.0,
+    ));
+    findings.push(at_most(
+        "The CPU uploads nothing while balls over terrain step on a device and are drawn:"
+            .to_owned(),
+        "B",
+        devices.greatest(BALL_UPLOAD_BYTES),
+        0.0,
+    ));
+    findings
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_has_its_fixed_cost_and_its_cost_of_a_ball_and_three_points_at_least() {
+        let points = [500.0, 1_000.0, 5_000.0].map(|balls| (balls, 30.0 + 0.02 * balls));
+        let [fixed, each] = line(&points).expect("three points");
+        assert!((fixed - 30.0).abs() < 1e-6 && (each - 0.02).abs() < 1e-9);
+        // Negative controls: a fixed cost is no cost of a ball, and two points are no line.
+        let [_, level] = line(&points.map(|(balls, _)| (balls, 30.0))).expect("three points");
+        assert!(level.abs() < 1e-9);
+        assert_eq!(line(&points[..2]), None);
+    }
 
     #[test]
     fn what_the_noise_covers_is_a_tie_with_few_processes_too() {
