@@ -10,7 +10,7 @@ fn loaded(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let texel = vec2<i32>(texel_in_block(query.share));
     answers[number] = textureLoad(blocks, texel, block_number(query.block), 0).r;
@@ -22,7 +22,7 @@ fn sampled(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let layer = block_number(query.block);
     answers[number] = textureSampleLevel(blocks, nearest, query.share, layer, 0.0).r;
@@ -34,7 +34,7 @@ fn by_world(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let place = query.world_m / cache.block_m;
     let block = floor(place);

@@ -10,7 +10,7 @@ fn loaded(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let texel = cache.side * query.block + texel_in_block(query.share);
     answers[number] = textureLoad(blocks, vec2<i32>(texel), 0).r;
@@ -22,7 +22,7 @@ fn sampled(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let size = vec2<f32>(f32(cache.blocks_across), f32(cache.blocks / cache.blocks_across));
     let place = (vec2<f32>(query.block) + query.share) / size;

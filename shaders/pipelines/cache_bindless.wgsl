@@ -11,7 +11,7 @@ fn loaded(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let texel = vec2<i32>(texel_in_block(query.share));
     answers[number] = textureLoad(blocks[block_number(query.block)], texel, 0).r;

@@ -9,7 +9,7 @@ fn loaded(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let texel = texel_in_block(query.share);
     let inner = texel.y * cache.side + texel.x;

@@ -10,7 +10,7 @@ fn loaded(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let texel = vec2<i32>(texel_in_block(query.share));
     let slice = i32(block_number(query.block));
@@ -23,7 +23,7 @@ fn sampled(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if invocation.x >= cache.count {
         return;
     }
-    let number = cache.first + invocation.x;
+    let number = invocation.x;
     let query = queries[number];
     let slice = (f32(block_number(query.block)) + 0.5) / f32(cache.blocks);
     answers[number] = textureSampleLevel(blocks, nearest, vec3<f32>(query.share, slice), 0.0).r;

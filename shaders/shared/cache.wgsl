@@ -4,8 +4,7 @@ struct CacheConstants {
     blocks_across: u32,
     // A side of a block, texels: a power of two.
     side: u32,
-    // Number of the first query of this dispatch, and how many.
-    first: u32,
+    // Number of queries.
     count: u32,
     // Number of blocks.
     blocks: u32,

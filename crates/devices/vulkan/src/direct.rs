@@ -6,10 +6,11 @@ use crate::queries::{Queries, QueryKind, Span};
 use crate::render_targets::SURFACE_STAMPS;
 use crate::{
     Buffer, BufferUse, Dispatch, DrawPipeline, IndexWidth, Measured, PassStatistics, RenderTargets,
-    StateStep,
+    Resources, StateStep,
 };
 use ash::vk;
 use std::ops::Range;
+use std::sync::Arc;
 use terrafill_contract::DeviceError;
 
 /// What is drawn.
@@ -17,6 +18,8 @@ use terrafill_contract::DeviceError;
 pub enum DrawCall<'a> {
     /// Ranges of vertices, a draw each.
     Vertices(&'a [Range<u32>]),
+    /// The same, with resources of its own bound before each; they are like the pipeline's.
+    Rebound(&'a [(Arc<Resources>, Range<u32>)]),
     /// All of a range of indices.
     Indexed {
         /// Indices.
@@ -146,6 +149,9 @@ impl RenderTargets {
         let is_mesh = matches!(draw.call, DrawCall::MeshGroups(_));
         let call_fits = match draw.call {
             DrawCall::Vertices(_) | DrawCall::MeshGroups(_) => true,
+            DrawCall::Rebound(draws) => draws
+                .iter()
+                .all(|(resources, _)| draw.pipeline.resources.is_like(resources)),
             DrawCall::Indexed {
                 indices,
                 width,
@@ -194,6 +200,12 @@ unsafe fn record_draw(
                     if let Some(samples) = samples {
                         samples.end(commands, query);
                     }
+                }
+            }
+            DrawCall::Rebound(draws) => {
+                for (resources, range) in draws {
+                    resources.bind(commands, graphics);
+                    device.cmd_draw(commands, range.end - range.start, 1, range.start, 0);
                 }
             }
             DrawCall::Indexed {

@@ -129,7 +129,7 @@ impl GridCamera {
     }
 }
 
-/// Twin of `GridConstants` in `shared/grid.wgsl`.
+/// Twin of `GridConstants` in `shared/cells.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct GridConstants {
@@ -138,7 +138,9 @@ pub(crate) struct GridConstants {
     pub(crate) height: [f32; 4],
     pub(crate) origin: [f32; 4],
     pub(crate) cells: u32,
-    pub(crate) padding: [u32; 3],
+    /// A side of a block; the grid's own where it is one.
+    pub(crate) block_cells: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 impl GridConstants {
@@ -152,7 +154,8 @@ impl GridConstants {
             height: column(clip.z_axis),
             origin: column(clip.w_axis),
             cells: grid.cells,
-            padding: [0; 3],
+            block_cells: grid.cells,
+            padding: [0; 2],
         }
     }
 }
@@ -173,6 +176,8 @@ mod tests {
         assert_eq!(offset("height"), offset_of!(GridConstants, height));
         assert_eq!(offset("origin"), offset_of!(GridConstants, origin));
         assert_eq!(offset("cells"), offset_of!(GridConstants, cells));
+        let of_block = offset_of!(GridConstants, block_cells);
+        assert_eq!(offset("block_cells"), of_block);
         assert_eq!(layout.stride as usize, size_of::<GridConstants>());
         // Negative control: two members lie apart.
         assert_ne!(offset("row"), offset_of!(GridConstants, height));

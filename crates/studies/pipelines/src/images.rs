@@ -2,6 +2,7 @@
 //! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
 
 use crate::STUDY;
+use crate::grid::Grid;
 use crate::metrics::SIZE_PX;
 use std::path::Path;
 use terrafill_results::ConditionKey;
@@ -67,6 +68,31 @@ pub(crate) fn of_numbers<'a>(
     })
 }
 
+/// Colours of a grid's triangles as light from the upper left shows their slopes.
+pub(crate) fn of_relief<'a>(
+    numbers: &'a [u32],
+    grid: &'a Grid,
+) -> impl Iterator<Item = [u8; 3]> + 'a {
+    let light = glam::DVec3::new(-0.5, 0.4, 0.77).normalize();
+    numbers.iter().map(move |number| {
+        let Some(index) = number.checked_sub(1) else {
+            return SKY;
+        };
+        let (column, row) = (index / 2 % grid.cells, index / 2 / grid.cells);
+        let half = index % 2;
+        let height = |x: u32, y: u32| {
+            let [x, y] = [column + x, row + y].map(|at| at.min(grid.cells));
+            f64::from(grid.heights[grid.index(x, y)])
+        };
+        let x = height(1, half) - height(0, half);
+        let y = height(half, 1) - height(half, 0);
+        let normal = glam::DVec3::new(-x, -y, grid.step_m()).normalize();
+        #[allow(clippy::cast_possible_truncation, reason = "held between 0 and 255")]
+        let shade = |of: f64| (of * (0.15 + 0.95 * normal.dot(light).max(0.0))).min(255.0) as u8;
+        [shade(170.0), shade(185.0), shade(140.0)]
+    })
+}
+
 /// Colours of which lights reach a pixel: the lighter, the more of them.
 ///
 /// - `numbers`: 0 for the sky, else 1 plus a bit for each light
@@ -111,6 +137,18 @@ pub(crate) fn write(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slopes_towards_the_light_are_lighter_than_those_away_from_it() {
+        let mut grid = Grid::new(2);
+        grid.heights = (0..9).map(|vertex| [0.0, 500.0, 0.0][vertex % 3]).collect();
+        let colours: Vec<_> = of_relief(&[0, 1, 3], &grid).collect();
+        // The first cell falls to the left, from where the light comes.
+        assert!(
+            colours[0] == SKY && colours[1][0] > colours[2][0],
+            "{colours:?}"
+        );
+    }
 
     #[test]
     fn halves_cells_and_sky_look_different() {

@@ -8,6 +8,8 @@ terrafill_results::conditions! {
     ACCESS = "access", "in which order blocks of a cache are read";
     BLOCKS = "blocks", "how many blocks a cache holds";
     CELLS_PER_POINT = "cells_per_point", "cells that the geometry shader makes of each point";
+    CRATER_WAY = "crater_way", "how craters come into the layers of an array texture";
+    CRATERS = "craters", "how many craters strike the ground at once";
     CUT = "cut", "how the cells of a geometry image are cut: as published, or along the folds of its octahedron";
     DECLARED = "declared", "vertices that the geometry shader declares at most";
     DEPTH = "depth", "format of the depths that variances are made of";
@@ -51,6 +53,9 @@ terrafill_results::conditions! {
     "tessellation" = "the tessellation stages divide a patch";
     "tiles-alone" = "no patch is left out: all of the tiles in view are drawn";
     "compute" = "compute makes the list of patches, and says how many are drawn";
+    "drawn-into-layers" = "a pass draws each struck layer anew from a copy of it, less the craters";
+    "written-by-cpu" = "the CPU writes each struck layer anew";
+    "rebound" = "a texture a block, bound for its own draw";
     "none" = "without a test";
     "box" = "by the box of least and greatest height against the planes of the frustum";
     "point" = "by the first corner, projected";
@@ -191,6 +196,18 @@ terrafill_results::metrics! {
         "",
         "Patches that are kept and not needed, of those needed.",
     );
+    CRATER_ERROR_M = Metric::error(
+        "crater_error_m",
+        "m",
+        "Largest difference of a height from the same craters in f64.",
+    );
+    CRATER_STRAYED = Metric::error(
+        "crater_strayed",
+        "",
+        "Heights that changed though no crater reaches them, or that differ between blocks that share them.",
+    );
+    CRATER_STRUCK = Metric::quantity("crater_struck", "Heights that craters reach.");
+    CRATER_LAYERS = Metric::quantity("crater_layers", "Layers that craters reach.");
     CACHE_DIFFERING = Metric::error(
         "cache_differing",
         "",

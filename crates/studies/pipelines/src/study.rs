@@ -76,6 +76,12 @@ impl Study for PipelinesStudy {
         groups.extend(amplified.iter().map(amplify));
         groups.extend(culling::groups(is_quick, pictures).into_iter().map(boxed));
         groups.push(boxed(cache::group(is_quick, samples)));
+        groups.extend(
+            cache::drawn_groups(is_quick, pictures)
+                .into_iter()
+                .map(boxed),
+        );
+        groups.push(boxed(cache::crater_group(is_quick, pictures)));
         groups.extend(lights::groups(is_quick, pictures).into_iter().map(boxed));
         groups.extend(meshes::patches(request, samples).into_iter().map(boxed));
         groups.push(boxed(meshes::image(request, samples)));

@@ -18,7 +18,7 @@ pub(crate) enum Keep {
     Atlas,
     /// The same through a sampler.
     AtlasSampled,
-    /// A texture a block, bound in turn.
+    /// A texture a block, bound for its own draw.
     Rebound,
     /// Slices of a volume texture.
     Volume,
@@ -31,24 +31,32 @@ pub(crate) enum Keep {
 }
 
 impl Keep {
-    pub(crate) const ALL: [Self; 10] = [
+    /// Those in which texels are looked up by compute.
+    pub(crate) const LOOKED_UP: [Self; 9] = [
         Self::Array,
         Self::ArraySampled,
         Self::ArrayByWorld,
         Self::Atlas,
         Self::AtlasSampled,
-        Self::Rebound,
         Self::Volume,
         Self::VolumeSampled,
         Self::Bindless,
         Self::Buffer,
+    ];
+    /// Those from which ground is drawn.
+    pub(crate) const DRAWN: [Self; 5] = [
+        Self::Array,
+        Self::Atlas,
+        Self::Volume,
+        Self::Rebound,
+        Self::Bindless,
     ];
 
     /// Its name, its WGSL with the entry point, and where the blocks lie.
     fn row(self) -> (&'static str, [&'static str; 2], Store) {
         const ARRAY: &str = "pipelines/cache_array.wgsl";
         const ATLAS: &str = "pipelines/cache_atlas.wgsl";
-        const BLOCK: &str = "pipelines/cache_block.wgsl";
+        const EACH: &str = "pipelines/blocks_each.wgsl";
         const VOLUME: &str = "pipelines/cache_volume.wgsl";
         const BINDLESS: &str = "pipelines/cache_bindless.wgsl";
         const BUFFER: &str = "pipelines/cache_buffer.wgsl";
@@ -58,7 +66,7 @@ impl Keep {
             Self::ArrayByWorld => ("array-by-world", [ARRAY, "by_world"], Store::Layers),
             Self::Atlas => ("atlas", [ATLAS, "loaded"], Store::SideBySide),
             Self::AtlasSampled => ("atlas-sampled", [ATLAS, "sampled"], Store::SideBySide),
-            Self::Rebound => ("rebound", [BLOCK, "loaded"], Store::Each),
+            Self::Rebound => ("rebound", [EACH, "vertex_main"], Store::Each),
             Self::Volume => ("volume", [VOLUME, "loaded"], Store::Slices),
             Self::VolumeSampled => ("volume-sampled", [VOLUME, "sampled"], Store::Slices),
             Self::Bindless => ("bindless", [BINDLESS, "loaded"], Store::Each),
@@ -127,7 +135,4 @@ pub(super) trait Keeps {
 
     /// What was found last.
     fn read(&self) -> Result<Vec<f32>, DeviceError>;
-
-    /// Bind groups or descriptor sets of a frame, and dispatches.
-    fn binds(&self) -> usize;
 }

@@ -3,9 +3,8 @@
 
 use super::keep::{Keep, Keeps, Store};
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
-use crate::draws::Times;
+use crate::draws::{Times, count};
 use crate::on_vulkan::uniform;
-use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_vulkan::{
@@ -31,30 +30,30 @@ pub(super) struct Cache {
     keep: Keep,
     blocks: Blocks,
     texels: Texels,
-    /// With their workgroups, one after the other.
-    bound: Vec<(ComputePipeline, u32)>,
+    pipeline: ComputePipeline,
+    groups: u32,
     answers: Arc<Buffer>,
 }
 
 fn texels(gpu: &Arc<Gpu>, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> {
-    let count = blocks.count();
+    let held = blocks.count();
     let image = |size, shape| BlockImage::new(gpu, size, shape).map(Arc::new);
     if keep.rounds() {
         return Err(gpu.lacks("a way that rounds, which is asked about on wgpu"));
     }
     Ok(match keep.store() {
-        Store::Layers => Texels::One(image([SIDE; 2], ImageShape::Array(count))?),
-        Store::Slices => Texels::One(image([SIDE; 2], ImageShape::Volume(count))?),
+        Store::Layers => Texels::One(image([SIDE; 2], ImageShape::Array(held))?),
+        Store::Slices => Texels::One(image([SIDE; 2], ImageShape::Volume(held))?),
         Store::SideBySide => {
             let size = [SIDE * blocks.across, SIDE * blocks.down];
             Texels::One(image(size, ImageShape::Flat)?)
         }
         Store::Each => {
-            let each = (0..count).map(|_| image([SIDE; 2], ImageShape::Flat));
+            let each = (0..held).map(|_| image([SIDE; 2], ImageShape::Flat));
             Texels::Each(each.collect::<Result<_, _>>()?)
         }
         Store::Buffer => {
-            let size = u64::from(count) * BLOCK_BYTES;
+            let size = u64::from(held) * BLOCK_BYTES;
             let buffer = Buffer::unwritten(gpu, "blocks", size, BufferUse::Storage)?;
             Texels::Buffer(Arc::new(buffer))
         }
@@ -62,13 +61,11 @@ fn texels(gpu: &Arc<Gpu>, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceEr
 }
 
 impl Cache {
-    /// - `ranges`: the queries of each block, where blocks are bound in turn; else all of them
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         keep: Keep,
         blocks: Blocks,
         queries: &[TexelQuery],
-        ranges: &[Range<u32>],
     ) -> Result<Self, DeviceError> {
         let texels = texels(gpu, keep, blocks)?;
         let bytes = bytemuck::cast_slice(queries);
@@ -78,42 +75,31 @@ impl Cache {
         let answers = Arc::new(Buffer::unwritten(gpu, "answers", size, BufferUse::State)?);
         let [path, entry_point] = keep.shader();
         let shader = Shader::Wgsl { path, entry_point };
-        let mut bound: Vec<(ComputePipeline, u32)> = Vec::new();
-        for (block, range) in ranges.iter().enumerate() {
-            if range.is_empty() {
-                continue;
+        let constants = CacheConstants::new(blocks, count(queries));
+        let mut resources = vec![
+            uniform(gpu, "cache", bytemuck::bytes_of(&constants))?,
+            asked,
+            Resource::Storage(Arc::clone(&answers)),
+        ];
+        let resources = match &texels {
+            Texels::Each(images) => Resources::with_array(gpu, resources, images.clone())?,
+            Texels::One(image) => {
+                resources.push(Resource::Blocks(Arc::clone(image)));
+                Resources::new(gpu, resources)?
             }
-            let constants = CacheConstants::new(blocks, range.clone());
-            let mut resources = vec![
-                uniform(gpu, "cache", bytemuck::bytes_of(&constants))?,
-                asked.clone(),
-                Resource::Storage(Arc::clone(&answers)),
-            ];
-            let resources = match (&texels, keep) {
-                (Texels::Each(images), Keep::Bindless) => {
-                    Resources::with_array(gpu, resources, images.clone())?
-                }
-                (texels, _) => {
-                    resources.push(match texels {
-                        Texels::One(image) => Resource::Blocks(Arc::clone(image)),
-                        Texels::Each(images) => Resource::Blocks(Arc::clone(&images[block])),
-                        Texels::Buffer(buffer) => Resource::Storage(Arc::clone(buffer)),
-                    });
-                    Resources::new(gpu, resources)?
-                }
-            };
-            let pipeline = match bound.first() {
-                Some((first, _)) => first.rebound(&resources)?,
-                None => ComputePipeline::new(gpu, &resources, shader)?,
-            };
-            bound.push((pipeline, (range.end - range.start).div_ceil(GROUP)));
-        }
+            Texels::Buffer(buffer) => {
+                resources.push(Resource::Storage(Arc::clone(buffer)));
+                Resources::new(gpu, resources)?
+            }
+        };
+        let pipeline = ComputePipeline::new(gpu, &resources, shader)?;
         let cache = Self {
             gpu: Arc::clone(gpu),
             keep,
             blocks,
             texels,
-            bound,
+            pipeline,
+            groups: count(queries).div_ceil(GROUP),
             answers,
         };
         for block in 0..blocks.count() {
@@ -140,16 +126,10 @@ impl Cache {
 impl Keeps for Cache {
     fn look_up(&self) -> Result<Times, DeviceError> {
         let watch = CpuStopwatch::start();
-        let steps: Vec<StateStep<'_>> = self
-            .bound
-            .iter()
-            .map(|(pipeline, groups)| {
-                StateStep::Dispatch(Dispatch {
-                    pipeline,
-                    groups: [*groups, 1, 1],
-                })
-            })
-            .collect();
+        let steps = [StateStep::Dispatch(Dispatch {
+            pipeline: &self.pipeline,
+            groups: [self.groups, 1, 1],
+        })];
         let report = advance(&self.gpu, &steps)?;
         Ok(Times::since(&watch, report.gpu_ms))
     }
@@ -163,9 +143,5 @@ impl Keeps for Cache {
     fn read(&self) -> Result<Vec<f32>, DeviceError> {
         let bytes = self.answers.contents(&self.gpu)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
-    }
-
-    fn binds(&self) -> usize {
-        self.bound.len()
     }
 }

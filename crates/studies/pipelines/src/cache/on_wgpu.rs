@@ -3,7 +3,7 @@
 
 use super::keep::{Keep, Keeps, Store};
 use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
-use crate::draws::Times;
+use crate::draws::{Times, count};
 use crate::on_wgpu::{compute_pipeline, storage_type, texture_type, uniform_type};
 use std::num::NonZeroU32;
 use std::sync::Arc;
@@ -29,8 +29,8 @@ pub(super) struct Cache {
     blocks: Blocks,
     texels: Texels,
     pipeline: wgpu::ComputePipeline,
-    /// With their workgroups, one after the other.
-    bound: Vec<(wgpu::BindGroup, u32)>,
+    bound: wgpu::BindGroup,
+    groups: u32,
     /// The array of textures, which may not stand beside a uniform.
     bindless: Option<wgpu::BindGroup>,
     answers: wgpu::Buffer,
@@ -71,13 +71,11 @@ fn check(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<(), DeviceError> {
 }
 
 impl Cache {
-    /// - `ranges`: the queries of each block, where blocks are bound in turn; else all of them
     pub(super) fn new(
         gpu: &Arc<Gpu>,
         keep: Keep,
         blocks: Blocks,
         queries: &[TexelQuery],
-        ranges: &[std::ops::Range<u32>],
     ) -> Result<Self, DeviceError> {
         check(gpu, keep, blocks)?;
         let storage = wgpu::BufferUsages::STORAGE;
@@ -117,31 +115,24 @@ impl Cache {
             label: Some("nearest texel, clamped to the edge"),
             ..Default::default()
         });
-        let mut bound = Vec::new();
-        for (block, range) in ranges.iter().enumerate() {
-            if range.is_empty() {
-                continue;
-            }
-            let constants = CacheConstants::new(blocks, range.clone());
-            let bytes = bytemuck::bytes_of(&constants);
-            let constants = gpu.upload("cache", bytes, wgpu::BufferUsages::UNIFORM)?;
-            let of_blocks = match (&texels, keep) {
-                (Texels::Buffer(buffer), _) => Some(buffer.as_entire_binding()),
-                (_, Keep::Bindless) => None,
-                _ => Some(wgpu::BindingResource::TextureView(&views[block])),
-            };
-            let mut resources = vec![
-                constants.as_entire_binding(),
-                asked.as_entire_binding(),
-                answers.as_entire_binding(),
-            ];
-            resources.extend(of_blocks);
-            if has_sampler(keep) {
-                resources.push(wgpu::BindingResource::Sampler(&sampler));
-            }
-            let group = gpu.bind("pipelines", &layout, resources);
-            bound.push((group, (range.end - range.start).div_ceil(GROUP)));
+        let constants = CacheConstants::new(blocks, count(queries));
+        let bytes = bytemuck::bytes_of(&constants);
+        let constants = gpu.upload("cache", bytes, wgpu::BufferUsages::UNIFORM)?;
+        let of_blocks = match (&texels, keep) {
+            (Texels::Buffer(buffer), _) => Some(buffer.as_entire_binding()),
+            (_, Keep::Bindless) => None,
+            _ => Some(wgpu::BindingResource::TextureView(&views[0])),
+        };
+        let mut resources = vec![
+            constants.as_entire_binding(),
+            asked.as_entire_binding(),
+            answers.as_entire_binding(),
+        ];
+        resources.extend(of_blocks);
+        if has_sampler(keep) {
+            resources.push(wgpu::BindingResource::Sampler(&sampler));
         }
+        let bound = gpu.bind("pipelines", &layout, resources);
         let cache = Self {
             gpu: Arc::clone(gpu),
             keep,
@@ -149,6 +140,7 @@ impl Cache {
             texels,
             pipeline,
             bound,
+            groups: count(queries).div_ceil(GROUP),
             bindless,
             answers,
             timer: PassTimer::new(gpu),
@@ -207,10 +199,8 @@ impl Keeps for Cache {
         if let Some(textures) = &self.bindless {
             pass.set_bind_group(1, textures, &[]);
         }
-        for (group, groups) in &self.bound {
-            pass.set_bind_group(0, group, &[]);
-            pass.dispatch_workgroups(*groups, 1, 1);
-        }
+        pass.set_bind_group(0, &self.bound, &[]);
+        pass.dispatch_workgroups(self.groups, 1, 1);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
@@ -232,14 +222,10 @@ impl Keeps for Cache {
         let bytes = read_buffer(&self.gpu, &self.answers)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
-
-    fn binds(&self) -> usize {
-        self.bound.len()
-    }
 }
 
 fn has_sampler(keep: Keep) -> bool {
-    !matches!(keep, Keep::Rebound | Keep::Bindless | Keep::Buffer)
+    !matches!(keep, Keep::Bindless | Keep::Buffer)
 }
 
 fn array_layout(gpu: &Gpu, blocks: Blocks) -> wgpu::BindGroupLayout {
@@ -293,19 +279,22 @@ fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> 
         })
     };
     let flat = wgpu::TextureDimension::D2;
-    let count = blocks.count();
+    let blocks_held = blocks.count();
     Ok(match keep.store() {
-        Store::Layers => Texels::One(texture([SIDE, SIDE, count], flat)),
+        Store::Layers => Texels::One(texture([SIDE, SIDE, blocks_held], flat)),
         Store::SideBySide => {
             Texels::One(texture([SIDE * blocks.across, SIDE * blocks.down, 1], flat))
         }
-        Store::Slices => Texels::One(texture([SIDE, SIDE, count], wgpu::TextureDimension::D3)),
+        Store::Slices => Texels::One(texture(
+            [SIDE, SIDE, blocks_held],
+            wgpu::TextureDimension::D3,
+        )),
         Store::Each => {
-            let each = (0..count).map(|_| texture([SIDE, SIDE, 1], flat));
+            let each = (0..blocks_held).map(|_| texture([SIDE, SIDE, 1], flat));
             Texels::Each(each.collect())
         }
         Store::Buffer => {
-            let size = u64::from(count * SIDE * SIDE * TEXEL_BYTES);
+            let size = u64::from(blocks_held * SIDE * SIDE * TEXEL_BYTES);
             let allowed = gpu.device.limits().max_storage_buffer_binding_size;
             DeviceError::check_capacity("bytes of blocks", size, allowed)?;
             let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;

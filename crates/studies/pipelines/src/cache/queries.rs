@@ -79,19 +79,17 @@ pub(crate) struct TexelQuery {
 pub(crate) struct CacheConstants {
     pub(crate) blocks_across: u32,
     pub(crate) side: u32,
-    pub(crate) first: u32,
     pub(crate) count: u32,
     pub(crate) blocks: u32,
     pub(crate) block_m: f32,
 }
 
 impl CacheConstants {
-    pub(crate) fn new(blocks: Blocks, queries: std::ops::Range<u32>) -> Self {
+    pub(crate) fn new(blocks: Blocks, count: u32) -> Self {
         Self {
             blocks_across: blocks.across,
             side: SIDE,
-            first: queries.start,
-            count: queries.end - queries.start,
+            count,
             blocks: blocks.count(),
             // A whole number far below 2^24.
             block_m: nearest(f64::from(SIDE) * TEXEL_M),

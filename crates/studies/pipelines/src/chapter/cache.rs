@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What keeps blocks of ground: texels that differ, time to look them up, and to write a block anew.
 
-use super::kit::{
-    TIME, at_least, beside, compared, gain, none_of, of_most, ratios, remark, said, time, within,
-};
+use super::kit::{TIME, beside, gain, none_of, of_most, ratios, remark, said, time, within};
 use crate::cache::Keep;
 use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Claim, Finding, Scope};
-
-/// Fewest blocks from which an array is claimed to win.
-const LEAST_CLAIMED: u32 = 64;
+use terrafill_results::Finding;
 
 const WHAT_ROUNDS: &str = "Loading a texel by its number is exact everywhere. The ways named \"sampled\" give a share of the whole \
      to a sampler of nearest texels, as published for the array, and a device may round it at a border; \
@@ -24,11 +19,10 @@ pub(super) const SECTION: Section<'static> = Section {
     text: "Blocks of 64 × 64 texels of 32-bit floats are kept in the layers of one array texture, as published, or in \
            what else there is. Places are given as a block and a share of it, a quarter of them on a border of texels \
            or blocks or one last place beside it. A frame looks up 262,144 of them by compute, block by block or \
-           anywhere; on Vulkan with a barrier between the dispatches of blocks that are bound in turn. Then a block is \
+           anywhere. Then a block is \
            written anew and everything is looked up again. Texels are numbers of 24 bits, which must be those that \
            arithmetic of integers finds. No time was published.",
     cases: Select::With(EXPERIMENT, "cache"),
-    findings: &[|cases| claim(cases, "wgpu"), |cases| claim(cases, "vulkan")],
     named_by: Names::Columns(&[
         ("blocks", BLOCKS),
         ("interface", API),
@@ -42,7 +36,6 @@ pub(super) const SECTION: Section<'static> = Section {
             let array = beside(cases, case, &[(KEPT_IN, Keep::Array.name())]);
             gain(Some(case), array, time(cases.clock()))
         }),
-        Column::metric("bind groups", CACHE_BINDS),
         Column::metric("held", CACHE_BYTES),
         Column::metric("CPU µs to write a block", CACHE_UPDATE_CPU_US),
         Column::metric("wall µs to write a block", CACHE_UPDATE_WALL_US),
@@ -54,24 +47,12 @@ pub(super) const SECTION: Section<'static> = Section {
 
 /// What is required: loaded texels are the same everywhere.
 pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
-    let exact = Keep::ALL.into_iter().filter(|keep| !keep.rounds());
+    let exact = Keep::LOOKED_UP.into_iter().filter(|keep| !keep.rounds());
     let exact: Vec<&str> = exact.map(Keep::name).collect();
     let own = cases.with(&[(EXPERIMENT, "cache")]);
     let own = own.fitting(|case| exact.contains(&case.condition(KEPT_IN)));
     let claim = "Whatever keeps the blocks, a loaded texel is the one by integers";
     (!own.is_empty()).then(|| none_of(claim, "texels differ", &own.values(CACHE_DIFFERING)))
-}
-
-fn claim(cases: &Cases<'_>, api: &str) -> Finding {
-    let keeps = [Keep::Rebound, Keep::Array].map(Keep::name);
-    let own = at_least(&cases.with(&[(API, api)]), BLOCKS, LEAST_CLAIMED);
-    let pairs = own.pairs(KEPT_IN, keeps, &[]);
-    let claim = format!(
-        "On {api} one array texture bound once is faster than a texture bound for each block, from 64 blocks on \
-         (published in words):"
-    );
-    let time = (time(cases.clock()), Scope::DRAW);
-    compared(cases, (KEPT_IN, &[]), time, &pairs, (claim, Claim::Faster))
 }
 
 /// What keeps the most blocks that an array holds best for random access, with the counters behind it.
@@ -88,12 +69,11 @@ pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {
         let against =
             array.map(|array| format!(", against {} ms of the array", said(array, metric)));
         Some(format!(
-            "On {api} {blocks} blocks of ground are read fastest anywhere, every texel right, from: {}{} ({} ms, {} bind groups{}); writing \
-             one anew takes {} µs.",
+            "On {api} {blocks} blocks of ground are read fastest anywhere, every texel right, from: {}{} ({} ms{}); \
+             writing one anew takes {} µs.",
             best.case.condition(KEPT_IN),
             best.tied_with(|case| case.condition(KEPT_IN).to_owned()),
             significant(best.value),
-            said(best.case, CACHE_BINDS),
             against.unwrap_or_default(),
             said(best.case, CACHE_UPDATE_WALL_US),
         ))
