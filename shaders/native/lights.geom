@@ -1,16 +1,16 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Study `pipelines`: one invocation copies a triangle into the layers of all lights, as published in 2007, at most
-// COPIES of them; or with INVOCATIONS into the layer of its own number.
+// Study `pipelines`: one invocation copies a triangle into the layers of all LIGHTS, as published in 2007, or of a
+// list's layers, at most COPIES of them; or with INVOCATIONS into the layer of its own number.
+#ifdef LIGHTS
+#define COPIES LIGHTS
+#endif
 #ifdef INVOCATIONS
 layout(triangles, invocations = INVOCATIONS) in;
 layout(triangle_strip, max_vertices = 3) out;
 #else
 layout(triangles) in;
-#ifndef COPIES
-#define COPIES 16
-#endif
 layout(triangle_strip, max_vertices = 3 * COPIES) out;
 #endif
 
@@ -35,7 +35,12 @@ void main() {
 #ifdef INVOCATIONS
     copy(uint(gl_InvocationID));
 #else
-    for (uint light = 0u; light < lights.count; ++light) {
+#ifdef LIGHTS
+    const uint count = LIGHTS;
+#else
+    uint count = lights.count;
+#endif
+    for (uint light = 0u; light < count; ++light) {
         copy(light);
     }
 #endif

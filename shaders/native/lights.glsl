@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Lights over a grid of heights, as `pipelines/lit.wgsl` has them; with LISTED layers of listed triangles, as
-// `shared/layers.wgsl`.
+// Lights over a grid of heights, as `shared/lit.wgsl` has them; with LISTED layers of listed triangles, as
+// `shared/layers.wgsl`. LIGHTS says for how many lights a shader is compiled.
 
-#ifdef LISTED
+#ifdef LIGHTS
+const uint MOST_LIGHTS = LIGHTS;
+#elif defined(LISTED)
 const uint MOST_LIGHTS = 128u;
 #else
 const uint MOST_LIGHTS = 16u;

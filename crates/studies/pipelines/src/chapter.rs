@@ -43,6 +43,8 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         meshes::PATCHES,
         meshes::IMAGES,
         meshes::DEFORMED,
+        lights::SOFT,
+        lights::CUBE,
         layered::JUDGED,
         layered::TERRACES,
         layered::ROUGH,

@@ -108,10 +108,12 @@ pub(crate) fn of_lights(numbers: &[u32], lights: usize) -> impl Iterator<Item = 
     })
 }
 
-/// Colours of shares of light; what is no number is red.
+/// Colours of shares of light, below 0 the sky; what is no number is red.
 pub(crate) fn of_shares(shares: &[f32]) -> impl Iterator<Item = [u8; 3]> {
     shares.iter().map(|share| {
-        if share.is_finite() {
+        if *share < 0.0 {
+            SKY
+        } else if share.is_finite() {
             #[allow(clippy::cast_possible_truncation, reason = "held between 0 and 255")]
             let grey = (255.0 * share.clamp(0.0, 1.0)) as u8;
             [grey; 3]

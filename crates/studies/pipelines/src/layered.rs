@@ -13,3 +13,4 @@ mod variance_bounds;
 
 pub(crate) use blurred::group as blurs;
 pub(crate) use shaded_study::group as shades;
+pub(crate) use variance_bounds::{TAPS, light as share_bounds};

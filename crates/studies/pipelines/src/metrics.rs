@@ -28,6 +28,7 @@ terrafill_results::conditions! {
     MOMENTS = "moments", "which moments layers show: the middle or the end of their part of the time, or random ones";
     PLACE = "place", "where patches are left out: nowhere, on the CPU, or in a stage of the device";
     RESOLVE = "resolve", "how layers become a picture";
+    SHADOW_FILTER = "shadow_filter", "how depths of a map become a share of light";
     SIGMA = "sigma", "spread of depths within a filter";
     SOURCE = "source", "where heights come from: from the CPU in each frame, or from a buffer";
     STORED = "stored", "how places of a geometry image are stored";
@@ -56,6 +57,10 @@ terrafill_results::conditions! {
     "drawn-into-layers" = "a pass draws each struck layer anew from a copy of it, less the craters";
     "written-by-cpu" = "the CPU writes each struck layer anew";
     "rebound" = "a texture a block, bound for its own draw";
+    "one-depth" = "the depth of one texel is compared";
+    "25-depths-compared" = "the share of 5 × 5 texels whose depth does not hide the place";
+    "25-depths-variance" = "by mean and variance of 5 × 5 depths, as published";
+    "25-depths-variance-about-the-place" = "the same of depths less that of the place";
     "none" = "without a test";
     "box" = "by the box of least and greatest height against the planes of the frustum";
     "point" = "by the first corner, projected";
@@ -195,6 +200,31 @@ terrafill_results::metrics! {
         "cull_extra_share",
         "",
         "Patches that are kept and not needed, of those needed.",
+    );
+    SOFT_RMS = Metric::error(
+        "soft_rms",
+        "",
+        "Root mean square difference of the mean share of light from exact visibility by rays in f64.",
+    );
+    SOFT_MEAN = Metric::neither(
+        "soft_mean",
+        "",
+        Kind::Error,
+        "Mean of that difference: above 0 the picture is too light.",
+    );
+    CUBE_SEAM_TEXELS = Metric::quantity(
+        "cube_seam_texels",
+        "Texels along the borders of a cube's faces, all of which are held against rays.",
+    );
+    CUBE_SEAM_WRONG = Metric::error(
+        "cube_seam_wrong",
+        "",
+        "Those of them whose depth is not that of rays within 1/32 texel.",
+    );
+    CUBE_INNER_WRONG = Metric::error(
+        "cube_inner_wrong",
+        "",
+        "The same of other texels that are held against rays.",
     );
     CRATER_ERROR_M = Metric::error(
         "crater_error_m",

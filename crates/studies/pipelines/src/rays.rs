@@ -146,6 +146,11 @@ impl<'a> Rays<'a> {
         Some(self.view.eye + self.direction(at_px) * hit.away_m)
     }
 
+    /// How many times its direction long a ray is to the ground.
+    pub(crate) fn reach(&self, from: DVec3, along: DVec3) -> Option<f64> {
+        Some(self.follow(from, along)?.away_m)
+    }
+
     /// Whether a ray meets the ground.
     pub(crate) fn hits(&self, from: DVec3, along: DVec3) -> bool {
         self.follow(from, along).is_some()
@@ -379,6 +384,13 @@ pub(crate) fn around(distance: f64) -> impl Iterator<Item = DVec2> {
     steps
         .into_iter()
         .flat_map(move |x| steps.map(|y| DVec2::new(x, y)))
+}
+
+/// The same, or the place alone where there is no distance.
+pub(crate) fn within(distance: f64) -> impl Iterator<Item = DVec2> {
+    let alone = (distance <= 0.0).then_some(DVec2::ZERO);
+    let all = around(distance).filter(move |_| alone.is_none());
+    alone.into_iter().chain(all)
 }
 
 /// Number of the pixel that a place lies in.

@@ -86,6 +86,12 @@ impl Study for PipelinesStudy {
         groups.extend(meshes::patches(request, samples).into_iter().map(boxed));
         groups.push(boxed(meshes::image(request, samples)));
         groups.push(boxed(meshes::deformed(request, samples)));
+        groups.push(boxed(lights::soft_group(is_quick, pictures)));
+        groups.extend(
+            lights::cube_groups(is_quick, pictures)
+                .into_iter()
+                .map(boxed),
+        );
         groups.push(boxed(layered::shades(is_quick, samples)));
         groups.push(boxed(layered::blurs(is_quick, samples)));
         Ok(Planned {

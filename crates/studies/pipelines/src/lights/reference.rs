@@ -11,9 +11,9 @@ use crate::rays::{BAND_PX, Judged, Rays, around};
 use glam::{DVec2, DVec3};
 
 /// Of depths in a map, metres: f32 rounds 3 km to 1e-4 m, a few times in a row.
-const DEPTH_BAND_M: f64 = 2e-2;
+pub(super) const DEPTH_BAND_M: f64 = 2e-2;
 /// Off the ground that a place lies on, metres.
-const OFF_GROUND_M: f64 = 1e-2;
+pub(super) const OFF_GROUND_M: f64 = 1e-2;
 
 /// A picture held against rays.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -67,8 +67,13 @@ impl LitRays<'_> {
         })
     }
 
+    /// Depth of a place in a map, from 0 to 1.
+    pub(super) fn depth(&self, light: &DistantLight, place: DVec3) -> f64 {
+        0.5 * (place - CENTRE).dot(light.toward) / RADIUS_M + 0.5
+    }
+
     /// Texels across and upwards.
-    fn on_map(&self, light: &DistantLight, place: DVec3) -> DVec2 {
+    pub(super) fn on_map(&self, light: &DistantLight, place: DVec3) -> DVec2 {
         let from = place - CENTRE;
         let at = DVec2::new(from.dot(light.right), from.dot(light.up)) / RADIUS_M;
         (0.5 * at + 0.5) * f64::from(self.side)

@@ -4,7 +4,7 @@
 use crate::draws::count;
 use crate::grid::{Grid, nearest};
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 /// Most lights, as shaders have room for.
 pub(crate) const MOST_LIGHTS: usize = 16;
@@ -51,7 +51,41 @@ pub(crate) fn bias_m(side: u32) -> f64 {
     BIAS_TEXELS * texel_m(side)
 }
 
-/// Twin of `Light` in `pipelines/lit.wgsl`.
+/// Ground with objects on it, as heights: towers with steep sides and domes. They do not overhang, so that rays over
+/// heights are the reference.
+pub(crate) fn ground(cells: u32) -> Grid {
+    let mut grid = Grid::new(cells);
+    let step_m = grid.step_m();
+    for row in 0..=cells {
+        for column in 0..=cells {
+            let place = DVec2::new(f64::from(column), f64::from(row)) * step_m;
+            let vertex = grid.index(column, row);
+            grid.heights[vertex] += nearest(object_m(place));
+        }
+    }
+    grid
+}
+
+/// Height of the object at a place above the ground, metres; 0 where there is none. Every 250 m stands one, towers and
+/// domes in turn.
+fn object_m(place: DVec2) -> f64 {
+    const EACH_M: f64 = 250.0;
+    const RADIUS_M: f64 = 62.5;
+    const TOWER_M: f64 = 70.0;
+    let number = (place / EACH_M).floor();
+    let from = place - (number + 0.5) * EACH_M;
+    let is_tower = (number.x + number.y).rem_euclid(2.0) < 0.5;
+    if is_tower {
+        let is_inside = from.abs().max_element() < 0.6 * RADIUS_M;
+        TOWER_M * f64::from(u8::from(is_inside))
+    } else {
+        (RADIUS_M * RADIUS_M - from.length_squared())
+            .max(0.0)
+            .sqrt()
+    }
+}
+
+/// Twin of `Light` in `shared/lit.wgsl`.
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LightColumns {
@@ -75,6 +109,17 @@ impl LightColumns {
         }
     }
 
+    /// Of a matrix from metres to clip space.
+    pub(super) fn of_matrix(clip: &DMat4, step_m: f64) -> Self {
+        let column = |of: DVec4| of.as_vec4().to_array();
+        Self {
+            column: column(clip.x_axis * step_m),
+            row: column(clip.y_axis * step_m),
+            height: column(clip.z_axis),
+            origin: column(clip.w_axis),
+        }
+    }
+
     fn new(light: &DistantLight, step_m: f64) -> Self {
         let DistantLight { right, up, toward } = *light;
         let scale = RADIUS_M.recip();
@@ -93,7 +138,7 @@ impl LightColumns {
     }
 }
 
-/// Twin of `Lights` in `pipelines/lit.wgsl`.
+/// Twin of `Lights` in `shared/lit.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct LightConstants {
@@ -107,15 +152,22 @@ pub(crate) struct LightConstants {
 impl LightConstants {
     /// - `side`: of a map, texels
     pub(crate) fn new(grid: &Grid, lights: &[DistantLight], side: u32) -> Self {
+        let columns = lights
+            .iter()
+            .map(|light| LightColumns::new(light, grid.step_m()));
+        let columns: Vec<LightColumns> = columns.collect();
+        Self::of_columns(&columns, side, 0.5 * bias_m(side) / RADIUS_M)
+    }
+
+    /// - `bias`: as the picture's shader has it
+    pub(super) fn of_columns(columns: &[LightColumns], side: u32, bias: f64) -> Self {
         let mut each = [LightColumns::default(); MOST_LIGHTS];
-        for (columns, light) in each.iter_mut().zip(lights) {
-            *columns = LightColumns::new(light, grid.step_m());
-        }
+        each[..columns.len()].copy_from_slice(columns);
         Self {
             each,
-            count: count(lights),
+            count: count(columns),
             texels: side,
-            bias: nearest(0.5 * bias_m(side) / RADIUS_M),
+            bias: nearest(bias),
             padding: 0,
         }
     }
@@ -141,10 +193,25 @@ mod tests {
     }
 
     #[test]
+    fn objects_stand_on_the_ground_and_change_nothing_beside_it() {
+        let (with, without) = (ground(256), Grid::new(256));
+        let above = |column, row| {
+            let vertex = with.index(column, row);
+            with.heights[vertex] - without.heights[vertex]
+        };
+        // Middles of a tower and of a dome, and between them.
+        assert!((above(16, 16) - 70.0).abs() < 1e-3, "{}", above(16, 16));
+        assert!((above(48, 16) - 62.5).abs() < 1e-3, "{}", above(48, 16));
+        assert_eq!(above(32, 16), 0.0);
+        let most = with.heights.iter().copied().fold(0.0_f32, f32::max);
+        assert!(most > 120.0 && most < 180.0, "{most}");
+    }
+
+    #[test]
     fn the_whole_ground_is_on_every_map() {
         for light in lights(16) {
             for corner in [[0.0, 0.0], [2_000.0, 0.0], [0.0, 2_000.0], [2_000.0; 2]] {
-                for height in [-110.0, 110.0] {
+                for height in [-110.0, 180.0] {
                     let place = DVec3::new(corner[0], corner[1], height) - CENTRE;
                     for axis in [light.right, light.up, light.toward] {
                         assert!(place.dot(axis).abs() < RADIUS_M, "{corner:?}");

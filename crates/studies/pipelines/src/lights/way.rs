@@ -40,13 +40,21 @@ impl LightWay {
         }
     }
 
-    /// `None` for as many invocations as no shader was compiled for.
+    /// `None` for as many lights as no shader was compiled for: each is for its number of lights alone.
     pub(crate) fn geometry(self, lights: u32) -> Option<Option<GeometryOutput>> {
-        match (self, lights) {
-            (Self::Copied, _) => Some(output("native/lights.copied.spv", 48)),
-            (Self::Invoked, 4) => Some(output("native/lights.invoked4.spv", 3)),
-            (Self::Invoked, 16) => Some(output("native/lights.invoked16.spv", 3)),
-            (Self::Invoked, _) => None,
+        let compiled = match lights {
+            1 => Some(["native/lights.copied1.spv", "native/lights.invoked1.spv"]),
+            2 => Some(["native/lights.copied2.spv", "native/lights.invoked2.spv"]),
+            4 => Some(["native/lights.copied4.spv", "native/lights.invoked4.spv"]),
+            // Faces of a cube.
+            6 => Some(["native/lights.copied6.spv", "native/lights.invoked6.spv"]),
+            8 => Some(["native/lights.copied8.spv", "native/lights.invoked8.spv"]),
+            16 => Some(["native/lights.copied16.spv", "native/lights.invoked16.spv"]),
+            _ => None,
+        };
+        match self {
+            Self::Copied => compiled.map(|[copied, _]| output(copied, 3 * lights)),
+            Self::Invoked => compiled.map(|[_, invoked]| output(invoked, 3)),
             _ => Some(None),
         }
     }
