@@ -3,7 +3,7 @@
 
 use crate::drawing::{DrawsBalls, VulkanPoints};
 use crate::flight::Law;
-use crate::stepping::{BallConstants, Steps};
+use crate::steps::{BallConstants, Steps};
 use crate::terrain::{BLOCKS, CELLS, SAMPLES, State, Terrain};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;

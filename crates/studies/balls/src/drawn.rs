@@ -7,9 +7,10 @@ use crate::drawing::{DrawCalls, DrawsBalls};
 use crate::flight::{Flight, Law, RESTITUTION};
 use crate::metrics::{BALLS, DRAWN, GROUND, INTEGRATOR, INTERFACE, PART, SIZE_PX, WAY};
 use crate::on_devices::{TIMED, constants, take};
-use crate::stepping::{BallConstants, Stepping, Steps};
+use crate::stepping::Stepping;
+use crate::steps::{BallConstants, Steps};
 use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
-use crate::walk::{FLIGHT_STEPS, FLIGHT_STEPS_PER_SECOND, Walk, walk};
+use crate::walk::{FLIGHT_STEPS_PER_SECOND, Walk, flight_steps, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
@@ -22,6 +23,8 @@ use terrafill_study::{
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
 const MOST_EACH: u32 = 10_000;
+/// Balls that are drawn at most: of more their step alone is of interest.
+const MOST_DRAWN: u32 = 100_000;
 
 /// Pixels a side of a quick run that names no size: the published one is not known.
 const QUICK_SIDE_PX: u32 = 256;
@@ -85,7 +88,14 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         };
         for &balls in counts {
             let drawn = DrawCalls::ALL.into_iter();
-            let drawn = drawn.filter(|drawn| *drawn != DrawCalls::Each || balls <= MOST_EACH);
+            let drawn = drawn.filter(|drawn| {
+                balls
+                    <= match drawn {
+                        DrawCalls::Nothing => u32::MAX,
+                        DrawCalls::All => MOST_DRAWN,
+                        DrawCalls::Each => MOST_EACH,
+                    }
+            });
             cases.extend(drawn.map(|drawn| of(Law::Published, drawn, balls)));
         }
         // Other laws of what is published.
@@ -185,7 +195,7 @@ impl DrawnSession<'_> {
         let (walk, last, strayed, mut uploaded) = match self.walked.get(&(way, law, count)) {
             // Followed before: the same steps, in frames of a few.
             Some((walk, there)) => {
-                let uploaded = take(steps.as_mut(), FLIGHT_STEPS)?;
+                let uploaded = take(steps.as_mut(), flight_steps(balls.len()))?;
                 let last = steps.read()?;
                 let mut strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
                 strayed += last.len().abs_diff(there.len());

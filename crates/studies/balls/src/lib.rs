@@ -20,6 +20,7 @@ mod integrator;
 mod metrics;
 mod on_devices;
 mod stepping;
+mod steps;
 mod study;
 mod terrain;
 mod walk;

@@ -4,6 +4,7 @@
 
 use crate::by_cpu::ByCpu;
 use crate::drawing::{DrawsBalls, VulkanPoints, WgpuPoints};
+use crate::steps::{BallConstants, Steps};
 use crate::terrain::{BLOCKS, SAMPLES, State, Terrain};
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Devices};
@@ -19,27 +20,6 @@ const STEP_OVER_TERRAIN: &str = "balls/fly.wgsl";
 const ENTRY: &str = "step_main";
 /// A workgroup of the shader.
 const GROUP: u32 = 64;
-
-/// As all shaders have it; those of flat ground need none of the last.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct BallConstants {
-    pub(crate) step_s: f32,
-    pub(crate) gravity: f32,
-    /// k/m, 1/s².
-    pub(crate) stiffness: f32,
-    pub(crate) count: u32,
-    /// Cells along a side of a block of the terrain, and a side of a cell in metres.
-    pub(crate) cells: u32,
-    pub(crate) cell_m: f32,
-    /// Blocks along a side of the terrain.
-    pub(crate) blocks: u32,
-    /// What a ball does that is below the terrain: its number.
-    pub(crate) law: u32,
-    /// Share of the speed along the normal that a reflection leaves.
-    pub(crate) restitution: f32,
-    pub(crate) padding: [u32; 3],
-}
 
 /// A way to step on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -93,21 +73,6 @@ impl Stepping {
             _ => Box::new(OnVulkan::new(self, devices, constants, balls, terrain)?),
         })
     }
-}
-
-/// Balls on a device.
-pub(crate) trait Steps {
-    /// Takes `count` steps and waits.
-    fn step(&mut self, count: u32) -> Result<(), DeviceError>;
-    /// GPU time of the last steps, milliseconds, where the device keeps time.
-    fn gpu_ms(&self) -> Result<Option<f64>, DeviceError>;
-    fn read(&self) -> Result<Vec<State>, DeviceError>;
-    /// Bytes that the CPU has written for the device so far.
-    fn uploaded(&self) -> u64;
-    /// Which of the two states is the last.
-    fn current(&self) -> usize;
-    /// What draws the balls.
-    fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError>;
 }
 
 struct OnWgpu {

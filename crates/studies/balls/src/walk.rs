@@ -9,12 +9,16 @@ use crate::flight::{
     ALLOWED_STEP_M, ALLOWED_STEP_SPEED, Flight, FlyingBall, Law, flown, normal_of,
 };
 use crate::on_devices::take;
-use crate::stepping::Steps;
+use crate::steps::Steps;
 use crate::terrain::State;
 use terrafill_contract::DeviceError;
 
 /// Steps that are taken: 0.6 s at 240 a second, in which balls that fall from up to 1.3 m meet the ground.
-pub(crate) const FLIGHT_STEPS: u32 = 144;
+const FLIGHT_STEPS: u32 = 144;
+/// The same for more balls than this, of which the lowest tenth meet the ground: a step of a million takes a software
+/// device a tenth of a second.
+const MANY: usize = 100_000;
+const STEPS_OF_MANY: u32 = 48;
 pub(crate) const FLIGHT_STEPS_PER_SECOND: u32 = 240;
 /// Numbers of balls up to which every step is looked at. Of more, a step in so many is: reading them all takes longer
 /// than stepping.
@@ -34,6 +38,15 @@ const LATE: f64 = 1.25;
 const ALLOWED_MISSED: f64 = 0.01;
 /// Deeper than this a ball has sunk, metres.
 const SUNK_M: f64 = 0.25;
+
+/// Steps that so many balls take.
+pub(crate) fn flight_steps(balls: usize) -> u32 {
+    if balls > MANY {
+        STEPS_OF_MANY
+    } else {
+        FLIGHT_STEPS
+    }
+}
 
 /// How balls were compared with `f64`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -81,6 +94,7 @@ pub(crate) fn walk(
 ) -> Result<Walk, DeviceError> {
     let stride = first.len().div_ceil(FOLLOWED).max(1);
     let is_every = first.len() <= EVERY_STEP;
+    let all_steps = flight_steps(first.len());
     let mut walk = Walk {
         followed: first.len().div_ceil(stride),
         law: Some(flight.law),
@@ -89,10 +103,10 @@ pub(crate) fn walk(
     let between = if is_every { 0 } else { STRIDE - 1 };
     let mut before = first.to_vec();
     let mut taken = 0;
-    let exact = |ball: &State| flight.first_impact(&FlyingBall::of(ball), FLIGHT_STEPS);
+    let exact = |ball: &State| flight.first_impact(&FlyingBall::of(ball), all_steps);
     let exact: Vec<_> = first.iter().step_by(stride).map(exact).collect();
     let [mut place_m, mut energy] = [0.0_f64; 2];
-    while taken < FLIGHT_STEPS {
+    while taken < all_steps {
         if between > 0 {
             walk.uploaded += take(steps, between)?;
             before = steps.read()?;
@@ -155,6 +169,7 @@ impl Walk {
             let (height, _) = flight.terrain.at(ball.state[0].truncate());
             sunk += usize::from(ball.state[0].z < height - SUNK_M);
             let found = (ball.first_impact > 0.0).then_some(ball.first_impact);
+            let all_steps = ball.steps;
             match (exact, found) {
                 (Some(exact), Some(found)) if found <= exact + LATE => {
                     let error_s = (found - exact).abs() * flight.step_s;
@@ -163,7 +178,7 @@ impl Walk {
                     self.impacts += 1;
                 }
                 // Within a step of the end an impact need not be seen.
-                (Some(exact), None) if exact > f64::from(FLIGHT_STEPS) - LATE => {}
+                (Some(exact), None) if exact > all_steps - LATE => {}
                 (None, None) => {}
                 _ => missed += 1,
             }

@@ -43,6 +43,22 @@ fn time(clock: Clock) -> &'static Metric {
     clock.pick(BALL_STEP_GPU_US, BALL_STEP_CPU_US)
 }
 
+/// By what a way is: no device's clock covers what the CPU steps.
+fn time_of(way: Stepping, clock: Clock) -> &'static Metric {
+    match way {
+        Stepping::Cpu => BALL_STEP_CPU_US,
+        _ => time(clock),
+    }
+}
+
+/// What that is called.
+pub(super) fn time_name(way: Stepping, clock: Clock) -> &'static str {
+    match way {
+        Stepping::Cpu => "CPU time",
+        _ => clock.pick("GPU time", "CPU time"),
+    }
+}
+
 /// Slope of log time over log number of balls.
 fn slope(first: (f64, f64), last: (f64, f64)) -> f64 {
     (last.1 / first.1).ln() / (last.0 / first.0).ln()
@@ -56,7 +72,10 @@ fn slope_of(cases: &Cases<'_>, way: Stepping) -> Option<f64> {
             .with(&[(BALLS, count)])
             .iter()
             .find(|case| case.counts())?;
-        Some((number(case, BALLS), case.value(time(cases.clock()))?))
+        Some((
+            number(case, BALLS),
+            case.value(time_of(way, cases.clock()))?,
+        ))
     };
     Some(slope(point(SLOPE[0])?, point(SLOPE[1])?))
 }
@@ -91,7 +110,7 @@ pub(super) fn findings(cases: &Cases<'_>) -> Vec<Finding> {
         finding(
             format!(
                 "{} of a step by {interface} {name} grows as the balls do, from 1e4 to 1e6:",
-                cases.clock().pick("GPU time", "CPU time")
+                time_name(way, cases.clock())
             ),
             slope.map(|slope| PROPORTIONAL.contains(&slope)),
             slope.map_or_else(String::new, |slope| format!("slope {}", significant(slope))),

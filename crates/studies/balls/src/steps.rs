@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What every way to step balls takes and does.
+
+use crate::drawing::DrawsBalls;
+use crate::terrain::State;
+use terrafill_contract::DeviceError;
+use terrafill_scene::ImageSize;
+
+/// As all shaders have it; those of flat ground need none of the last.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct BallConstants {
+    pub(crate) step_s: f32,
+    pub(crate) gravity: f32,
+    /// k/m, 1/s².
+    pub(crate) stiffness: f32,
+    pub(crate) count: u32,
+    /// Cells along a side of a block of the terrain, and a side of a cell in metres.
+    pub(crate) cells: u32,
+    pub(crate) cell_m: f32,
+    /// Blocks along a side of the terrain.
+    pub(crate) blocks: u32,
+    /// What a ball does that is below the terrain: its number.
+    pub(crate) law: u32,
+    /// Share of the speed along the normal that a reflection leaves.
+    pub(crate) restitution: f32,
+    pub(crate) padding: [u32; 3],
+}
+
+/// Balls on a device.
+pub(crate) trait Steps {
+    /// Takes `count` steps and waits.
+    fn step(&mut self, count: u32) -> Result<(), DeviceError>;
+    /// GPU time of the last steps, milliseconds, where the device keeps time.
+    fn gpu_ms(&self) -> Result<Option<f64>, DeviceError>;
+    fn read(&self) -> Result<Vec<State>, DeviceError>;
+    /// Bytes that the CPU has written for the device so far.
+    fn uploaded(&self) -> u64;
+    /// Which of the two states is the last.
+    fn current(&self) -> usize;
+    /// What draws the balls.
+    fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError>;
+}
