@@ -424,6 +424,29 @@ mod tests {
     }
 
     #[test]
+    fn many_balls_are_looked_at_now_and_then_and_meet_the_ground() {
+        let devices = Rc::new(Devices::default());
+        let group = group(&[MOST_DRAWN + 1], SIZE, 1);
+        let context = Context {
+            devices: &devices,
+            folder: std::path::Path::new(""),
+        };
+        let mut session = group.open(context).expect("opens");
+        let verdict = session
+            .verify(0)
+            .or_else(Failure::verdict)
+            .expect("a verdict");
+        eprintln!(
+            "{:?} {} {:?}",
+            verdict.status, verdict.reason, verdict.figures
+        );
+        assert_ne!(verdict.status, Status::Wrong, "{}", verdict.reason);
+        // So many are not drawn.
+        let drawn = |case: &DrawnCase| case.drawn != DrawCalls::Nothing;
+        assert!(!group.work.cases.iter().any(drawn));
+    }
+
+    #[test]
     fn whatever_is_wrong_is_said() {
         let walk = Walk {
             impacts: 1,
