@@ -467,7 +467,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 36);
+        assert_eq!(all.len(), 48);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

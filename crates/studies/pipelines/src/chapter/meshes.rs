@@ -11,7 +11,7 @@ use terrafill_lab::{
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, Finding};
+use terrafill_results::{Claim, Finding};
 
 const WHAT_OF_TEAPOTS: &str = "The paper shows a teapot \"rendered with spline subdivision\" in its first figure and gives no set-up, level or \
      time of it, so there is nothing of it to compare. Its cap of 128 vertices an invocation holds 7 × 7 cells.";
