@@ -19,7 +19,11 @@ const RAYS: &str = "enable wgpu_ray_query;";
 /// What a module with arrays of resources begins with.
 const ARRAYS: &str = "enable wgpu_binding_array;";
 /// Instruction and number of the capability of arrays whose length the shader does not say, which naga leaves out.
-const OF_ANY_LENGTH: [u32; 2] = [2 << 16 | 17, 5302];
+const OF_ANY_LENGTH: [u32; 2] = [CAPABILITY, 5302];
+/// What has that capability in SPIR-V before 1.5. Naga declares it only where it finds an index that differs within a draw.
+const ARRAYS_EXTENSION: &str = "SPV_EXT_descriptor_indexing";
+/// First word of a capability.
+const CAPABILITY: u32 = 2 << 16 | 17;
 /// Words before the first instruction.
 const HEADER: usize = 5;
 
@@ -106,11 +110,44 @@ pub fn composed_to_spirv(
     };
     let mut words = spv::write_vec(&module, &info, &options, Some(&pipeline_options))
         .map_err(|error| invalid(error.to_string()))?;
-    let has_it = words.windows(2).any(|pair| pair == OF_ANY_LENGTH);
-    if composed.contains(ARRAYS) && !has_it {
-        words.splice(HEADER..HEADER, OF_ANY_LENGTH);
+    if composed.contains(ARRAYS) {
+        declare_any_length(&mut words);
     }
     Ok(words)
+}
+
+/// Adds the capability of arrays of any length and its extension where naga left them out.
+fn declare_any_length(words: &mut Vec<u32>) {
+    if !words.windows(2).any(|pair| pair == OF_ANY_LENGTH) {
+        words.splice(HEADER..HEADER, OF_ANY_LENGTH);
+    }
+    let extension = extension(ARRAYS_EXTENSION);
+    let is_declared = words.windows(extension.len()).any(|of| of == extension);
+    if !is_declared {
+        // Extensions follow the last capability.
+        let mut end = HEADER;
+        while words.get(end).is_some_and(|word| *word == CAPABILITY) {
+            end += 2;
+        }
+        words.splice(end..end, extension);
+    }
+}
+
+/// The instruction that declares an extension: its name in little-endian words, ended by a zero byte.
+fn extension(name: &str) -> Vec<u32> {
+    let mut bytes = name.as_bytes().to_vec();
+    bytes.resize(4 * (name.len() / 4 + 1), 0);
+    let name = bytes.chunks_exact(4);
+    let name: Vec<u32> = name
+        .map(|of| {
+            of.iter()
+                .rev()
+                .fold(0, |word, byte| word << 8 | u32::from(*byte))
+        })
+        .collect();
+    let count = name.iter().fold(1_u32, |count, _| count + 1);
+    let first = (count << 16) | 10;
+    [vec![first], name].concat()
 }
 
 /// A geometry shader: its GLSL source and what became of it.
@@ -490,13 +527,24 @@ mod tests {
 
     #[test]
     fn arrays_of_any_length_are_declared_where_there_are_any() {
-        let of = |path| {
-            let words = wgsl_to_spirv(path, SpirvStage::Compute, "loaded", &[]).expect("valid");
+        let of = |path, stage, entry| {
+            let words = wgsl_to_spirv(path, stage, entry, &[]).expect("valid");
+            let extension = extension(ARRAYS_EXTENSION);
             let declared = words.windows(2).filter(|pair| *pair == OF_ANY_LENGTH);
-            declared.count()
+            let extended = words.windows(extension.len()).filter(|of| *of == extension);
+            [declared.count(), extended.count()]
         };
-        assert_eq!(of("pipelines/cache_bindless.wgsl"), 1);
-        assert_eq!(of("pipelines/cache_array.wgsl"), 0);
+        let (compute, vertex) = (SpirvStage::Compute, SpirvStage::Vertex);
+        assert_eq!(
+            of("pipelines/cache_bindless.wgsl", compute, "loaded"),
+            [1, 1]
+        );
+        assert_eq!(
+            of("pipelines/blocks_bindless.wgsl", vertex, "vertex_main"),
+            [1, 1]
+        );
+        // Negative control.
+        assert_eq!(of("pipelines/cache_array.wgsl", compute, "loaded"), [0, 0]);
     }
 
     #[test]
