@@ -16,14 +16,10 @@ const RAY_LANGUAGE_VERSION: (u8, u8) = (1, 4);
 /// What such a module begins with.
 const RAYS: &str = "enable wgpu_ray_query;";
 
-/// What a module with arrays of resources begins with.
-const ARRAYS: &str = "enable wgpu_binding_array;";
+/// Extension that naga declares where an entry point chooses among resources of an array.
+const ARRAYS: &[u8] = b"SPV_EXT_descriptor_indexing";
 /// Instruction and number of the capability of arrays whose length the shader does not say, which naga leaves out.
-const OF_ANY_LENGTH: [u32; 2] = [CAPABILITY, 5302];
-/// What has that capability in SPIR-V before 1.5. Naga declares it only where it finds an index that differs within a draw.
-const ARRAYS_EXTENSION: &str = "SPV_EXT_descriptor_indexing";
-/// First word of a capability.
-const CAPABILITY: u32 = 2 << 16 | 17;
+const OF_ANY_LENGTH: [u32; 2] = [2 << 16 | 17, 5302];
 /// Words before the first instruction.
 const HEADER: usize = 5;
 
@@ -110,44 +106,17 @@ pub fn composed_to_spirv(
     };
     let mut words = spv::write_vec(&module, &info, &options, Some(&pipeline_options))
         .map_err(|error| invalid(error.to_string()))?;
-    if composed.contains(ARRAYS) {
-        declare_any_length(&mut words);
+    let has_it = words.windows(2).any(|pair| pair == OF_ANY_LENGTH);
+    if has_arrays(&words) && !has_it {
+        words.splice(HEADER..HEADER, OF_ANY_LENGTH);
     }
     Ok(words)
 }
 
-/// Adds the capability of arrays of any length and its extension where naga left them out.
-fn declare_any_length(words: &mut Vec<u32>) {
-    if !words.windows(2).any(|pair| pair == OF_ANY_LENGTH) {
-        words.splice(HEADER..HEADER, OF_ANY_LENGTH);
-    }
-    let extension = extension(ARRAYS_EXTENSION);
-    let is_declared = words.windows(extension.len()).any(|of| of == extension);
-    if !is_declared {
-        // Extensions follow the last capability.
-        let mut end = HEADER;
-        while words.get(end).is_some_and(|word| *word == CAPABILITY) {
-            end += 2;
-        }
-        words.splice(end..end, extension);
-    }
-}
-
-/// The instruction that declares an extension: its name in little-endian words, ended by a zero byte.
-fn extension(name: &str) -> Vec<u32> {
-    let mut bytes = name.as_bytes().to_vec();
-    bytes.resize(4 * (name.len() / 4 + 1), 0);
-    let name = bytes.chunks_exact(4);
-    let name: Vec<u32> = name
-        .map(|of| {
-            of.iter()
-                .rev()
-                .fold(0, |word, byte| word << 8 | u32::from(*byte))
-        })
-        .collect();
-    let count = name.iter().fold(1_u32, |count, _| count + 1);
-    let first = (count << 16) | 10;
-    [vec![first], name].concat()
+/// An entry point of the same module that uses no array must not declare the capability: it has no extension.
+fn has_arrays(words: &[u32]) -> bool {
+    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    bytes.windows(ARRAYS.len()).any(|of| of == ARRAYS)
 }
 
 /// A geometry shader: its GLSL source and what became of it.
@@ -527,24 +496,29 @@ mod tests {
 
     #[test]
     fn arrays_of_any_length_are_declared_where_there_are_any() {
+        // The load is marked as one whose index differs within a draw.
+        let non_uniform = [3 << 16 | 71, 5300];
         let of = |path, stage, entry| {
             let words = wgsl_to_spirv(path, stage, entry, &[]).expect("valid");
-            let extension = extension(ARRAYS_EXTENSION);
             let declared = words.windows(2).filter(|pair| *pair == OF_ANY_LENGTH);
-            let extended = words.windows(extension.len()).filter(|of| *of == extension);
-            [declared.count(), extended.count()]
+            let mut decorations = words.windows(3);
+            let is_marked = decorations.any(|of| [of[0], of[2]] == non_uniform);
+            (declared.count(), has_arrays(&words), is_marked)
         };
         let (compute, vertex) = (SpirvStage::Compute, SpirvStage::Vertex);
-        assert_eq!(
-            of("pipelines/cache_bindless.wgsl", compute, "loaded"),
-            [1, 1]
+        let found = of("pipelines/cache_bindless.wgsl", compute, "loaded");
+        assert_eq!(found, (1, true, true));
+        let found = of("pipelines/blocks_bindless.wgsl", vertex, "vertex_main");
+        assert_eq!(found, (1, true, true));
+        // Negative controls: no array in the module, and none in the entry point.
+        let found = of("pipelines/cache_array.wgsl", compute, "loaded");
+        assert_eq!(found, (0, false, false));
+        let found = of(
+            "pipelines/blocks_bindless.wgsl",
+            SpirvStage::Fragment,
+            "fragment_main",
         );
-        assert_eq!(
-            of("pipelines/blocks_bindless.wgsl", vertex, "vertex_main"),
-            [1, 1]
-        );
-        // Negative control.
-        assert_eq!(of("pipelines/cache_array.wgsl", compute, "loaded"), [0, 0]);
+        assert_eq!(found, (0, false, false));
     }
 
     #[test]
