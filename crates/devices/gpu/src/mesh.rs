@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines of mesh shaders, which wgpu has as an experiment, where the device offers them.
 //!
-//! Their SPIR-V is our own, handed through as it is: of naga's, wgpu 30 says that lavapipe does not run it.
+//! Their SPIR-V is our own and passed through unchanged: wgpu 30 says that lavapipe does not run naga's.
 
 use crate::Gpu;
 use crate::adapter::MESH_SHADERS;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Fills in one pass over the surface that the targets hold, without volumes and without stencil: the backend
-//! of each of them, which says what it draws by [`Overlay`].
+//! The backend of fills in one pass over the surface that the targets hold, without volumes and without stencil.
+//! Each says by [`Overlay`] what it draws.
 
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, attached, read_only_depth};
 use std::fmt::Debug;

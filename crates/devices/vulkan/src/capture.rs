@@ -174,7 +174,7 @@ impl Buffer {
     }
 }
 
-/// Records a step. What a dispatch wrote is seen by drawing at once, what was captured after [`let_all_see`].
+/// Records a step. What a dispatch wrote is seen by whatever follows, what was captured after [`let_all_see`].
 ///
 /// # Safety
 /// Recording is under way, outside of a pass, on the device of all of the step.
@@ -205,8 +205,12 @@ unsafe fn record_dispatch(
         vk::AccessFlags::SHADER_WRITE,
     );
     let readers = (
-        vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT,
-        vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ,
+        vk::PipelineStageFlags::ALL_GRAPHICS
+            | vk::PipelineStageFlags::COMPUTE_SHADER
+            | vk::PipelineStageFlags::DRAW_INDIRECT,
+        vk::AccessFlags::SHADER_READ
+            | vk::AccessFlags::SHADER_WRITE
+            | vk::AccessFlags::INDIRECT_COMMAND_READ,
     );
     // SAFETY: the caller's promise.
     unsafe {

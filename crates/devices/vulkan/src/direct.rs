@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! One pass over cleared targets by a pipeline of the caller's own, after a dispatch where there is one.
+//! One pass over cleared targets by a pipeline of the caller's own, after steps where there are some.
 
 use crate::capture::{let_all_see, record_step};
 use crate::queries::{Queries, QueryKind, Span};
