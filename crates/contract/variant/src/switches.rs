@@ -177,7 +177,7 @@ pub struct Switches {
     pub holds_drawn_meshes: bool,
     /// What takes the stencil back to 0.
     pub stencil_clear: StencilClear,
-    /// So many high bits of the stencil are never marked: an engine keeps something of its own there.
+    /// So many high bits of the stencil are neither marked nor tested. A clear takes them all the same.
     pub kept_stencil_bits: u8,
     /// Every frame copies the surface's depth before it fills, as a fill must where depth cannot be read
     /// while it is attached. Nothing reads the copy: what it costs is the question.
@@ -260,19 +260,16 @@ const TABLE: &[Switch<Switches>] = &[
     },
     one_of!("scissor", scissor: ["covers" => false, "volumes" => true],
         "what is cut to regions' screen rectangles: covers, or volumes too"),
-    Switch {
-        key: "stencil-bits",
-        values: Values::OneOf(&["1", "2", "3", "4", "5", "6", "7", "8"]),
-        meaning: "how many bits of the stencil marks may use, where an engine keeps the others for itself",
-        get: |of| of.stencil_bits().to_string(),
-        set: |of, value| {
-            let bits: u8 = value.parse().ok()?;
-            of.kept_stencil_bits = STENCIL_BITS
-                .checked_sub(bits)
-                .filter(|kept| *kept < STENCIL_BITS)?;
-            Some(())
-        },
-    },
+    one_of!("stencil-bits", kept_stencil_bits: [
+        "1" => 7,
+        "2" => 6,
+        "3" => 5,
+        "4" => 4,
+        "5" => 3,
+        "6" => 2,
+        "7" => 1,
+        "8" => 0,
+    ], "how many bits of the stencil are marked and tested; with fewer there are more passes, and clears take all bits"),
     one_of!("stencil-clear", stencil_clear: [
         "at-start" => StencilClear::AtStart,
         "by-colour" => StencilClear::ByColour,

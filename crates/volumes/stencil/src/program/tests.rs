@@ -116,7 +116,7 @@ fn whatever_the_switches_each_face_marks_once_and_each_region_is_covered_once() 
 }
 
 #[test]
-fn bits_that_an_engine_keeps_are_neither_marked_nor_read() {
+fn bits_that_are_kept_are_neither_marked_nor_tested() {
     let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
     // All five lie over each other: 3 numbers or 2 planes a pass.
     for (colour, passes) in [(ColourWay::Xor, 2), (ColourWay::BitPlanes, 3)] {
