@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Claims of a document that are tested by cases of a study, which conditions select: ratios of two cases, figures
-//! within a bound, and exponents of growth. What differs between studies is data.
+//! Claims of a document, tested by cases of a study. Conditions select the cases. A test is a ratio of two cases,
+//! figures within a bound, or an exponent of growth. What differs between studies is data.
 
 use crate::cases::{Cases, log_slope, measured, range};
 use crate::claims::{ClaimAnswer, Paper, PaperError, Tested, claims_blocks, claims_table};
@@ -435,16 +435,25 @@ impl<'a> Evidence<'_, 'a> {
             });
             views.extend(said);
         }
+        if !views.is_empty() {
+            views.extend(open_view("", &own, metric));
+        }
         let standings: Vec<Standing> = views.iter().map(|(_, standing)| *standing).collect();
         ClaimAnswer::of_views(views, self.open(overall(&standings)))
     }
 
     fn growth(&self, of: &CaseGrowth, metric: &'static Metric) -> ClaimAnswer {
-        let views = self.series(of).into_iter().filter_map(|(name, cases)| {
-            let exponent = exponent(&cases, &of.over, metric)?;
+        let views = self.series(of).into_iter().flat_map(|(name, cases)| {
+            let Some(exponent) = exponent(&cases, &of.over, metric) else {
+                return Vec::new();
+            };
             let standing = Bound::Between(of.between).standing(exponent.interval);
             let text = format!("exponent {}", figure(&exponent));
-            Some((named(&name, text), standing))
+            let open = open_view(&name, &cases, metric);
+            [(named(&name, text), standing)]
+                .into_iter()
+                .chain(open)
+                .collect()
         });
         let views: Views = views.collect();
         let standings: Vec<Standing> = views.iter().map(|(_, standing)| *standing).collect();
@@ -495,6 +504,23 @@ impl Bound {
     }
 }
 
+/// What cases that broke off, or whose times count for nothing, leave open: others alone decide no claim. What a device
+/// cannot do says nothing of it.
+fn open_view(of: &str, cases: &[&Case], metric: &'static Metric) -> Option<(String, Standing)> {
+    let is_open = |case: &&&Case| {
+        let is_told = match metric.kind {
+            Kind::Time => case.counts(),
+            _ => measured(case, metric).is_some(),
+        };
+        !is_told && case.outcome != Outcome::Skipped
+    };
+    let open = cases.iter().filter(is_open).count();
+    (open > 0).then(|| {
+        let text = format!("{open} of {} cases told nothing", cases.len());
+        (named(of, text), Standing::CannotTell)
+    })
+}
+
 /// Figures of the first cases over those of the second, each added up.
 fn summed(pairs: &[[&Case; 2]], metric: &'static Metric) -> Option<Estimate> {
     let [first, second] =
@@ -540,150 +566,4 @@ fn exponent(cases: &[&Case], over: &str, metric: &'static Metric) -> Option<Esti
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::made_up::{TIME, empty};
-    use terrafill_results::made_up::case_id;
-    use terrafill_results::{Run, Status};
-
-    const STUDY: &str = "s";
-    const ERRORS: [Metric; 1] = [Metric::error("grid_error", "px", "Wrong pixels.")];
-    const ERROR: &Metric = &ERRORS[0];
-
-    const TEXT: &str = "source = 'A (2007)'\ndocument = 'a'\nremark = ''\n\
-        [[claim]]\nwords = 'other'\nplace = '1'\nbasis = 'observed'\nstudy = 'other'\ntest = { no = 'not here' }\n\
-        [[claim]]\nwords = 'faster'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
-        test = { ratio = { figure = 'frame', changes = 'way', of = ['sent', 'fetched'], \
-        with = { cells = ['64', '128', '256'] }, named-by = ['cells'], expects = 'faster' } }\n\
-        [[claim]]\nwords = 'right'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'pixels'\n\
-        test = { figures = { figure = 'grid_error', with = { way = ['fetched'] }, is = 'none' } }\n\
-        [[claim]]\nwords = 'linear'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'growth'\n\
-        test = { growth = { figure = 'frame', over = 'cells', with = { way = ['sent'] }, between = [0.9, 1.1] } }\n";
-
-    fn claims(text: &'static str) -> StudyClaims {
-        StudyClaims {
-            study: STUDY,
-            title: "The claims",
-            file: ["a.toml", text],
-            times: &[ClaimedTime {
-                name: "frame",
-                by: [TIME, TIME],
-                needs: Scope::DRAW,
-            }],
-            metrics: &ERRORS,
-        }
-    }
-
-    /// Both ways at three sizes: ms of a process for a cell, and wrong pixels of the second way.
-    fn run_of(sent: f64, fetched: f64, wrong: f64, power: f64) -> Run {
-        let mut made = empty();
-        made.metrics.extend(ERRORS);
-        for cells in ["64", "128", "256"] {
-            for (way, ms) in [("sent", sent), ("fetched", fetched)] {
-                let size: f64 = cells.parse().expect("a number");
-                let ms = ms * size.powf(power);
-                let conditions = [("way", way), ("cells", cells)];
-                let case = made.case(case_id(STUDY, &format!("{way}/{cells}"), &conditions));
-                let spread = [0.99, 1.0, 1.01, 0.995, 1.005, 1.0, 0.99, 1.01];
-                case.timed(TIME, &spread.map(|of| of * ms));
-                case.figure(ERROR, if way == "fetched" { wrong } else { 0.0 });
-            }
-        }
-        made.loaded()
-    }
-
-    fn standings(claims: &StudyClaims, run: &Run) -> Vec<Standing> {
-        let (_, answers) = claims
-            .answered(&Cases::of_study(run, STUDY))
-            .expect("a paper");
-        answers.iter().map(|answer| answer.standing).collect()
-    }
-
-    #[test]
-    fn a_study_answers_its_own_claims_by_ratios_figures_and_growth() {
-        use Standing::{DoesNotHold, Holds, NoDifference, NotMeasured};
-        let of = |run: &Run| standings(&claims(TEXT), run);
-        assert_eq!(of(&run_of(3.0, 1.0, 0.0, 1.0)), [Holds; 3]);
-        // Negative controls: operands swapped, one wrong pixel, growth by the square, nothing measured.
-        assert_eq!(of(&run_of(1.0, 3.0, 0.0, 1.0))[0], DoesNotHold);
-        assert_eq!(of(&run_of(1.0, 1.0, 0.0, 1.0))[0], NoDifference);
-        assert_eq!(of(&run_of(3.0, 1.0, 1.0, 1.0))[1], DoesNotHold);
-        assert_eq!(of(&run_of(3.0, 1.0, 0.0, 2.0))[2], DoesNotHold);
-        assert_eq!(of(&empty().loaded()), [NotMeasured; 3]);
-    }
-
-    #[test]
-    fn sums_are_one_ratio_of_all_pairs() {
-        let run = run_of(3.0, 1.0, 0.0, 1.0);
-        let ours = |text: &'static str| {
-            let (_, answers) = claims(text)
-                .answered(&Cases::of_study(&run, STUDY))
-                .expect("a paper");
-            answers[0].ours.clone()
-        };
-        assert_eq!(ours(TEXT).matches(" ×").count(), 3);
-        let summed = TEXT.replace("expects = 'faster'", "is-summed = true, expects = 'faster'");
-        let summed = ours(Box::leak(summed.into_boxed_str()));
-        assert!(
-            summed.starts_with("3.00 ×") && summed.ends_with("over 3 pairs"),
-            "{summed}"
-        );
-    }
-
-    #[test]
-    fn a_claim_that_selects_nothing_or_names_no_figure_is_untestable() {
-        let run = run_of(3.0, 1.0, 0.0, 1.0);
-        let cases = Cases::of_study(&run, STUDY);
-        let of = |from: &str, to: &str| {
-            let text = TEXT.replace(from, to);
-            let claims = claims(Box::leak(text.into_boxed_str()));
-            claims.untestable(&cases).expect("a paper")
-        };
-        assert_eq!(of("", ""), [""; 0]);
-        // Negative controls.
-        assert_eq!(of("['sent', 'fetched']", "['sent', 'drawn']"), ["faster"]);
-        assert_eq!(of("'grid_error'", "'grid_errors'"), ["right"]);
-        assert_eq!(
-            of(
-                "over = 'cells', with = { way = ['sent'] }",
-                "over = 'cells', with = { way = ['lost'] }"
-            ),
-            ["linear"]
-        );
-    }
-
-    #[test]
-    fn an_interval_across_a_bound_decides_nothing() {
-        let bound = Bound::Between([0.9, 1.1]);
-        assert_eq!(bound.standing(Some([0.95, 1.05])), Standing::Holds);
-        assert_eq!(bound.standing(Some([1.05, 1.2])), Standing::CannotTell);
-        assert_eq!(bound.standing(Some([1.15, 1.2])), Standing::DoesNotHold);
-        assert_eq!(bound.standing(None), Standing::CannotTell);
-        assert_eq!(
-            Bound::AtMost(2.0).standing(Some([2.1, 3.0])),
-            Standing::DoesNotHold
-        );
-        assert_eq!(Bound::None.standing(Some([0.0, 0.0])), Standing::Holds);
-    }
-
-    #[test]
-    fn a_case_that_failed_leaves_its_claim_open_and_one_that_a_device_lacks_does_not() {
-        let standing = |status| {
-            let mut made = empty();
-            for (way, ms) in [("sent", 3.0), ("fetched", 1.0)] {
-                for cells in ["64", "128"] {
-                    let conditions = [("way", way), ("cells", cells)];
-                    let case = made.case(case_id(STUDY, &format!("{way}/{cells}"), &conditions));
-                    case.timed(TIME, &[ms; 8]);
-                    if cells == "128" {
-                        case.ended(status, "more than the device allows");
-                    }
-                }
-            }
-            standings(&claims(TEXT), &made.loaded())[0]
-        };
-        assert_eq!(standing(Status::Skipped), Standing::Holds);
-        // Negative control.
-        assert_eq!(standing(Status::Failed), Standing::CannotTell);
-    }
-}
+mod tests;

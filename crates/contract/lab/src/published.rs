@@ -21,8 +21,8 @@ pub struct PublishedTable {
     pub rows: BTreeMap<String, Vec<f64>>,
 }
 
-/// Ratios of two columns in every row of a table: the second's figure over the first's, as times are compared the other
-/// way round.
+/// Ratios of two columns in every row of a table: the second's figure over the first's. Figures are rates, so this is
+/// the first's time over the second's.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct PublishedRatio {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Whether what a file of claims quotes stands in the document's text.
+//! Finds quotations, titles and figures of a file of claims that are not in the document's text.
 
 use crate::claims::Paper;
 
@@ -19,8 +19,8 @@ fn normal(text: &str) -> String {
 }
 
 impl<T> Paper<T> {
-    /// What is said to stand in the document and does not: quotations, titles of their sections, and figures of its
-    /// tables, which a text has row by row or column by column.
+    /// Quotations, titles of their sections and figures of tables that are not in the document. A text may have a
+    /// table's figures row by row or column by column.
     ///
     /// - `document`: its text, with line breaks and ligatures or without
     #[must_use]

@@ -247,7 +247,7 @@ terrafill_results::metrics! {
     CACHE_ASKED = Metric::quantity("cache_asked", "Texels that were looked up for that.");
     CACHE_BINDS = Metric::counter(
         "cache_binds",
-        "Bind groups set, and dispatches, of a frame.",
+        "Bind groups set in a frame, a draw after each.",
     );
     CACHE_BYTES = Metric::bytes("cache_bytes", "Bytes of all texels.");
     CACHE_UPDATE_BYTES = Metric::bytes(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Grids on wgpu, which has no geometry shaders; mesh shaders are an experiment of its, where the device offers them.
+//! Grids on wgpu, which has no geometry shaders. Its mesh shaders are experimental, where the device offers them.
 
 use crate::draws::{Counted, Draws, Times};
 use crate::grid::{Grid, GridConstants};
@@ -123,7 +123,7 @@ impl OnWgpu {
         let storage = wgpu::BufferUsages::STORAGE;
         let kept_bytes = u64::from(side).pow(2) * 16;
         let kept = is_placed.then(|| gpu.unwritten("clip positions", kept_bytes, storage));
-        // A layout may name the stage of mesh shaders where they are offered alone.
+        // Only a device that offers mesh shaders allows their stage in a layout.
         let stage = match stages {
             Some(_) => wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE,
             None => wgpu::ShaderStages::MESH,

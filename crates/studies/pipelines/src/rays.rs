@@ -4,7 +4,7 @@
 //! Rays walk the cells below them one after the other and are intersected with both halves of each.
 //! Nothing of what draws is used: no matrix, no list of vertices, no projection. Devices snap vertices to
 //! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
-//! a border may show either side; every other difference is an error.
+//! a border may show either side. Every other difference is an error.
 
 use crate::draws::Counted;
 use crate::grid::{Grid, GridCamera};

@@ -60,11 +60,6 @@ pub(super) fn said(case: &Case, metric: &Metric) -> String {
     value.unwrap_or_else(|| "–".to_owned())
 }
 
-/// Cases of at least this number of a condition.
-pub(super) fn at_least<'a>(cases: &Cases<'a>, key: ConditionKey, least: u32) -> Cases<'a> {
-    cases.fitting(|case| case.condition(key).parse().is_ok_and(|of: u32| of >= least))
-}
-
 /// Cases whose error was measured and is at most this: among them the cheapest may be named.
 pub(super) fn within<'a>(cases: &Cases<'a>, error: &Metric, most: f64) -> Cases<'a> {
     cases.fitting(|case| case.value(error).is_some_and(|found| found <= most))

@@ -2,7 +2,7 @@
 //! Variance and hard shadows, and motion blur, as devices draw them: what of their definitions holds, and what ways
 //! to layers cost.
 
-use super::kit::{TIME, at_least, compared, said, time, within};
+use super::kit::{TIME, said, time, within};
 use crate::blur::MOTION_PX;
 use crate::metrics::*;
 use terrafill_lab::{
@@ -10,7 +10,7 @@ use terrafill_lab::{
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Claim, ConditionKey, Finding, Metric, Scope};
+use terrafill_results::{Case, ConditionKey, Finding, Metric};
 
 /// What is required of the variance with the receiver subtracted.
 const RELATIVE_NOISE: f64 = 2e-6;
@@ -24,8 +24,6 @@ const OPAQUE: f64 = 0.4;
 const FADED: f64 = 0.1;
 /// What blur may be off and still be named cheapest, rms of full scale: half a step of 8 bits.
 const BLUR_ERROR: f64 = 0.5 / 255.0;
-/// Fewest layers of which the claim is read.
-const LEAST_CLAIMED: u32 = 4;
 
 const INTERFACE: (&str, ConditionKey) = ("interface", API);
 const BY: (&str, ConditionKey) = ("layers by", LAYERS_BY);
@@ -139,7 +137,6 @@ pub(super) const BLUR: Section<'static> = Section {
         Column::metric("texels that differ", LIGHTS_DEPTHS_DIFFERING),
         Column::metric("wrong pixels", LAYERED_WRONG_PX),
     ],
-    findings: &[claim],
     drawing: Some(Drawing {
         caption: "Error against the integral over time of what devices drew, by the way to layers or without them.",
         panels: &[
@@ -312,18 +309,6 @@ fn blur_findings(cases: &Cases<'_>) -> Vec<Finding> {
         ranges.map_or_else(String::new, |(published, first)| format!("rms {published} against {first}")),
     ));
     findings
-}
-
-/// Published in words: blur in two passes beats a pass a layer.
-fn claim(cases: &Cases<'_>) -> Finding {
-    let own = cases.with(&[(FILTER, "box"), (API, "vulkan"), (MOMENTS, "middle")]);
-    let own = at_least(&own, LAYERS, LEAST_CLAIMED);
-    let pairs = own.pairs(LAYERS_BY, ["passes", "geometry-copies"], &[]);
-    let claim = "Blur of layers that a geometry shader copies in one pass is faster than a pass a layer (published in \
-                 words):";
-    let time = (time(cases.clock()), Scope::DRAW);
-    let says = (claim.to_owned(), Claim::Faster);
-    compared(cases, (LAYERS_BY, &[]), time, &pairs, says)
 }
 
 /// How to sum variances, and the fastest ways to blur, with what explains them.

@@ -2,17 +2,13 @@
 //! Shadows of several lights: depth maps in one pass or in many, with the counters behind their times.
 
 use super::kit::{
-    TIME, at_least, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark,
-    said,
+    TIME, beside, compared, counter, gain, none_of, of_most, percent, ratios, remark, said,
 };
 use crate::lights::{LightWay, ShadowFilter};
 use crate::metrics::*;
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Claim, Clock, Finding, Metric, Scope};
-
-/// Fewest lights of which the claim is read.
-const LEAST_CLAIMED: u32 = 4;
 
 const WHAT_WAS_PUBLISHED: &str = "Published are \"2 passes\" in words, without number of lights, sizes or times. A geometry shader was given 32 \
      matrices, so at most 10 lights of three, or 15 that share one. Multiview has a limit of views a \
@@ -28,7 +24,6 @@ pub(super) const SECTION: Section<'static> = Section {
            texel, and beside it the ray of the place itself, whose difference is the map's error.",
     cases: Select::With(EXPERIMENT, "lights"),
     named_by: Names::Columns(&[("lights", LIGHTS), ("layers by", LAYERS_BY)]),
-    findings: &[claim],
     pictures: &[("picture", "")],
     more: &[|_| remark(WHAT_WAS_PUBLISHED)],
     columns: &[
@@ -150,16 +145,6 @@ pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
     let own = cases.fitting(|case| ["lights", "cube"].contains(&case.condition(EXPERIMENT)));
     let claim = "Every way to the maps of several lights, and to a cube's faces, leaves the same depths, bit for bit";
     (!own.is_empty()).then(|| none_of(claim, "texels differ", &own.values(LIGHTS_DEPTHS_DIFFERING)))
-}
-
-fn claim(cases: &Cases<'_>) -> Finding {
-    let ways = [LightWay::Passes, LightWay::Copied].map(LightWay::name);
-    let pairs = at_least(cases, LIGHTS, LEAST_CLAIMED).pairs(LAYERS_BY, ways, &[]);
-    let claim = "Maps of four lights and more are faster copied by a geometry shader in one pass than in a pass each \
-                 (published in words):";
-    let time = (maps(cases.clock()), Scope::DRAW);
-    let says = (claim.to_owned(), Claim::Faster);
-    compared(cases, (LAYERS_BY, &[]), time, &pairs, says)
 }
 
 /// The fastest way to the maps of the most lights, with its counters.

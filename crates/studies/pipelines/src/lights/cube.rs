@@ -33,8 +33,8 @@ const QUICK_SIDES: [u32; 1] = [128];
 const TEXEL_EVERY: usize = 61;
 /// Pixels of the picture that are, about.
 const PIXELS: usize = 4_096;
-/// What hides a place is nearer by more than this share, in texels of a face: ground at 1 km is seen 13° above level,
-/// where half a texel's diagonal is three of its sides along the ray.
+/// What hides a place is nearer by more than this share, in texels of a face. Ground at 1 km is seen 13° above
+/// level, where half a texel's diagonal is three of its sides along the ray.
 const BIAS_TEXELS: f64 = 4.0;
 /// Depths closer than this share are equal: `f32` rounds place, columns and quotient a few times.
 const DEPTH_BAND: f64 = 2e-5;

@@ -2,7 +2,7 @@
 //! The reference: which lights reach a pixel, by rays in `f64`.
 //!
 //! A map says of a texel what is nearest to its light along the ray through the texel's middle. So the ray that is
-//! followed is that one, from as far above the place as the bias: what a map shows is right or wrong,
+//! followed is that one, from as far above the place as the bias. What a map shows is right or wrong,
 //! apart from a band of 1/32 of a pixel and of a texel, as devices snap vertices. Whether the place itself is in
 //! shadow, without any map, is counted beside it.
 

@@ -11,7 +11,7 @@ pub(crate) const MOST_LIGHTS: usize = 16;
 /// What a light's map shows: the ball around the whole ground.
 pub(crate) const CENTRE: DVec3 = DVec3::new(1_000.0, 1_000.0, 0.0);
 pub(crate) const RADIUS_M: f64 = 1_530.0;
-/// What hides a place is nearer to the light by more than this, in texels: the steepest light is 20° above level
+/// What hides a place is nearer to the light by more than this, in texels. The steepest light is 20° above level
 /// ground, whose depth changes by 1.4 texels half a texel's diagonal away.
 const BIAS_TEXELS: f64 = 2.5;
 

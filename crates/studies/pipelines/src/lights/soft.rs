@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Shadows over terrain with objects by filters of depth maps: one depth, 5 × 5 depths compared, and the variance of
-//! 5 × 5 depths as published; their errors against exact visibility.
+//! Shadows over terrain with objects by filters of depth maps, and the filters' errors against exact visibility.
+//! Filters are one depth, 5 × 5 depths compared, and the variance of 5 × 5 depths as published.
 //!
 //! A picture's pixels are mean shares of light. They are judged by the filter's formula in `f64` over the maps that the
-//! device has, for every texel and depth that rounding may choose. Beside it stands the error of the method: against rays
-//! from the place itself to each light, which is a point at infinity, so that exact visibility is 0 or 1.
+//! device has, for every texel and depth that rounding may choose. The error of the method is the difference
+//! from rays from the place itself to each light. Lights are points at infinity, so exact visibility is 0 or 1.
 
 use super::on_vulkan::{LayerParts, OnVulkan};
 use super::reference::{DEPTH_BAND_M, LitRays, OFF_GROUND_M};

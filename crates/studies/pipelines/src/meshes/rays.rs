@@ -2,8 +2,8 @@
 //! The reference: which triangle of a mesh a pixel's ray meets first, in `f64`.
 //!
 //! Each ray is intersected with the triangles whose box on the picture holds its place. A pixel may show another
-//! triangle than its ray meets where a border of it lies within [`BAND_PX`], and nothing hides it there; every other
-//! difference is an error.
+//! triangle than its ray meets, if that triangle has a border within [`BAND_PX`] and nothing hides it there. Every
+//! other difference is an error.
 
 use super::mesh::Mesh;
 use crate::grid::GridCamera;

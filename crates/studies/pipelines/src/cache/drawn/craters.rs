@@ -35,8 +35,8 @@ const QUICK_COUNTS: [u32; 1] = [16];
 /// Radius, metres: of the smallest and of the largest, and its share that a crater is deep.
 const RADIUS_M: [f64; 2] = [20.0, 60.0];
 const DEPTH: f64 = 0.25;
-/// What a height may differ by, metres: heights up to 200 m are rounded by 7.6 µm for each of a dozen craters that may lie
-/// over each other.
+/// What a height may differ by, metres. A dozen craters may lie over each other, and each rounds heights up to 200 m by
+/// 7.6 µm.
 const ALLOWED_M: f64 = 1e-4;
 
 terrafill_results::named! {

@@ -2,7 +2,8 @@
 //! A grid cut into blocks, and where they lie in what keeps them.
 
 use crate::cache::keep::{Keep, Store};
-use crate::grid::{Grid, GridConstants};
+use crate::grid::{Grid, GridConstants, nearest};
+use std::f64::consts::TAU;
 use std::ops::Range;
 use terrafill_contract::DeviceError;
 
@@ -18,8 +19,18 @@ pub(crate) struct BlockGround {
 
 impl BlockGround {
     pub(crate) fn new(across: u32, block_cells: u32) -> Self {
+        let mut grid = Grid::new(across * block_cells);
+        // The grid's own waves come again after 1 km: without others half of the blocks would be alike, and one in the
+        // other's place could not be noticed.
+        let side = grid.cells + 1;
+        let step_m = grid.step_m();
+        for (at, height) in (0..).zip(&mut grid.heights) {
+            let [x, y] = [at % side, at / side].map(|of| f64::from(of) * step_m);
+            let wave = (TAU * x / 1_730.0).sin() + (TAU * y / 1_370.0).sin();
+            *height = nearest(f64::from(*height) + 20.0 * wave);
+        }
         Self {
-            grid: Grid::new(across * block_cells),
+            grid,
             across,
             block_cells,
         }
@@ -117,5 +128,28 @@ mod tests {
         assert_eq!(one[5 * side + 3], ground.grid.heights[vertex]);
         // Negative control: another block has something else there.
         assert_ne!(right[5 * side + 3], ground.grid.heights[vertex]);
+    }
+
+    #[test]
+    fn no_two_blocks_are_alike() {
+        let differ_m = |ground: &BlockGround, one: u32, other: u32| {
+            let [one, other] = [one, other].map(|block| ground.heights(block));
+            let differences = one
+                .iter()
+                .zip(&other)
+                .map(|(a, b)| f64::from((a - b).abs()));
+            differences.fold(0.0, f64::max)
+        };
+        let ground = BlockGround::new(4, 32);
+        for (one, other) in (0..16).flat_map(|one| (0..one).map(move |other| (one, other))) {
+            let differ_m = differ_m(&ground, one, other);
+            assert!(differ_m > 10.0, "{one} and {other}: {differ_m} m");
+        }
+        // Negative control: blocks of the grid alone are alike.
+        let plain = BlockGround {
+            grid: Grid::new(128),
+            ..ground
+        };
+        assert!(differ_m(&plain, 5, 10) < 1e-3);
     }
 }

@@ -4,7 +4,7 @@
 use crate::grid::nearest;
 use glam::{DVec2, DVec3};
 
-/// Steps of Newton's method: the start is a cell's width off at most, and each step squares the error.
+/// Gauss–Newton steps. The start is at most a cell's width off. Near the patch each step nearly squares the error.
 const STEPS: usize = 4;
 /// Of the squared slopes: keeps a step finite where a side of a patch is a point.
 const DAMPING: f64 = 1e-9;
@@ -77,7 +77,7 @@ impl Patch {
         for _ in 0..STEPS {
             let gap = place - self.place(at);
             let [across, down] = self.slopes(at);
-            // Gauss and Newton: the step whose change along the slopes is the gap's.
+            // Gauss–Newton: the step whose change along the slopes is the gap's.
             let (a, b, c) = (
                 across.length_squared() + DAMPING,
                 across.dot(down),
@@ -96,7 +96,7 @@ impl Patch {
 mod tests {
     use super::*;
 
-    /// A quarter of a turn about z, bulging.
+    /// The unit square, its height bent in both directions.
     fn bent() -> Patch {
         let point = |row: usize, column: usize| {
             let (x, y) = (column as f64 / 3.0, row as f64 / 3.0);

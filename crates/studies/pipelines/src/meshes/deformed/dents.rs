@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Dents that deform a model, in `f64` and as a device reads them; metres.
 //!
-//! A dent is a polynomial of the distance: 32-bit floats know it to their last digits on every device, which sines they
-//! do not.
+//! A dent is a polynomial of the distance. Every device computes it to the last digits of 32-bit floats, which does not
+//! hold for sines.
 
 use crate::grid::nearest;
 use bytemuck::{Pod, Zeroable};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A rabbit-like surface without a foreign model, in metres and `f64`: where a sum of blobs' fields is 1.
 //!
-//! A blob's field falls by the square of the distance. Lines along the steepest fall leave the surface, never meet,
-//! and far away are those of a single blob: their directions there are places on a sphere for places of the surface
-//! that are no star around any point.
+//! A blob's field falls by the square of the distance. Lines of steepest descent leave the surface and never meet. Far
+//! away they are those of a single blob. So the direction in which a line ends maps its place of the surface to a
+//! sphere, though the surface is not star-shaped.
 
 use crate::grid::GridCamera;
 use glam::DVec3;
@@ -25,9 +25,9 @@ const SIDES: [([f64; 3], f64); 6] = [
     ([0.37, 0.25, 1.14], 0.08),
     ([0.31, 0.32, 1.3], 0.09),
 ];
-/// So far away lines are straight: a thousandth of a circle bends them no more.
+/// At this distance lines are nearly straight.
 const FAR_M: f64 = 60.0;
-/// Length of a step along a line, of the distance from the middle of all.
+/// Length of a step along a line, as a share of the distance from the origin.
 const STEP: f64 = 0.02;
 /// Steps of Newton's method onto the surface.
 const STEPS: usize = 6;
@@ -72,7 +72,7 @@ pub(crate) fn distance_m(place: DVec3) -> f64 {
 pub(crate) fn direction(mut place: DVec3) -> DVec3 {
     let fall = |place: DVec3| -field(place).1.normalize();
     while place.length() < FAR_M {
-        // Runge and Kutta, of fourth order.
+        // Fourth-order Runge–Kutta.
         let step = STEP * place.length().max(0.5);
         let first = fall(place);
         let second = fall(place + 0.5 * step * first);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A closed surface as a square of places (Gu, Gortler and Hoppe, 2002): a mesh laid on a sphere, that folded onto an
-//! octahedron, and its faces unfolded onto the square (Praun and Hoppe, 2003).
+//! A closed surface as a square of places (Gu, Gortler and Hoppe, 2002). A mesh is laid on a sphere. The sphere is
+//! folded onto an octahedron, whose faces are unfolded onto the square (Praun and Hoppe, 2003).
 //!
 //! The square's diagonals from middle to middle of its sides are edges of the octahedron, so the cut of a cell there
 //! matters.

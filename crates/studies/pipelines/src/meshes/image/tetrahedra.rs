@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A mesh of a surface that a field has a value above 0 inside of: cubes of a box, each cut into six tetrahedra along
-//! its diagonal, and in each of these the triangle or two that part its corners (Doi and Koide, 1991).
+//! Meshes the surface of a field that is above 0 inside: marching tetrahedra (Doi and Koide, 1991).
+//!
+//! A box is divided into cubes, each into six tetrahedra along its diagonal. In a tetrahedron one or two triangles
+//! separate the corners inside from those outside.
 
 use glam::{DVec3, UVec3};
 use std::collections::BTreeMap;
