@@ -102,8 +102,8 @@ struct Decided {
 const BAND_M: f64 = 1e-4;
 /// Within this of 0, a speed along the normal may have either sign.
 const BAND_SPEED: f64 = 1e-4;
-/// What a place may differ by in one step, metres along an axis: places up to 256 m are rounded by 7.6 µm, twice where
-/// there is an impact, whose time errs by as much over the speed.
+/// What a place may differ by in one step, metres along an axis. Places up to 256 m are rounded by 7.6 µm, and twice
+/// where there is an impact. The impact's time errs by as much over the speed.
 pub(crate) const ALLOWED_STEP_M: f64 = 6e-5;
 /// What a velocity may, metres a second.
 pub(crate) const ALLOWED_STEP_SPEED: f64 = 2e-4;

@@ -156,10 +156,11 @@ impl Trial for Stepped {
             found.max_m = f64::INFINITY;
         }
         let is_right = found.max_m <= ALLOWED_M;
+        let expected = self.way.uploads(self.balls, STEPS / TIMED);
         let reason = if !is_right {
             format!("{} m from f64, allowed {ALLOWED_M} m", found.max_m)
-        } else if uploaded > self.way.uploads(self.balls, STEPS / TIMED) {
-            format!("{uploaded} bytes were uploaded while stepping")
+        } else if uploaded != expected {
+            format!("{uploaded} bytes were uploaded while stepping, expected {expected}")
         } else {
             String::new()
         };

@@ -11,8 +11,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;
 
-/// Place and velocity of a ball, four numbers each as published; over terrain the fourth are the steps taken, and the
-/// time of the first impact in steps, 0 before it.
+/// Place and velocity of a ball, four numbers each as published. Over terrain the place's fourth is the steps taken. The
+/// velocity's fourth is the time of the first impact in steps, 0 before it.
 pub(crate) type State = [[f32; 4]; 2];
 
 /// Blocks along a side of the terrain.

@@ -15,8 +15,8 @@ use terrafill_contract::DeviceError;
 
 /// Steps that are taken: 0.6 s at 240 a second, in which balls that fall from up to 1.3 m meet the ground.
 const FLIGHT_STEPS: u32 = 144;
-/// The same for more balls than this, of which the lowest tenth meet the ground: a step of a million takes a software
-/// device a tenth of a second.
+/// The same for more balls than this: a step of a million takes a software device a tenth of a second. The lowest tenth
+/// of them meet the ground.
 const MANY: usize = 100_000;
 const STEPS_OF_MANY: u32 = 48;
 pub(crate) const FLIGHT_STEPS_PER_SECOND: u32 = 240;
@@ -29,8 +29,8 @@ const FOLLOWED: usize = 5_000;
 /// What the time of the first impact of an exact event may differ by, seconds. A place is rounded by up to 7.6 µm in
 /// each of 144 steps, which steep ground and a slow fall make 1e-4. The margin is about 3.
 pub(crate) const ALLOWED_EVENT_S: f64 = 3e-4;
-/// What the energy that such an impact takes may differ by, as a share of it: a fiftieth where a ball falls slowly on
-/// steep ground, whose slope changes over the 1.5 mm that its place is off. The margin is 2.5.
+/// What the energy that such an impact takes may differ by, as a share of it. Where a ball falls slowly on steep ground,
+/// its place is off by 1.5 mm. The slope changes over that, and the energy by a fiftieth. The margin is 2.5.
 pub(crate) const ALLOWED_ENERGY: f64 = 0.05;
 /// Steps after the exact event up to which an impact is that one: a step, and rounding.
 const LATE: f64 = 1.25;
