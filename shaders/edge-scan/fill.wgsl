@@ -1,9 +1,9 @@
 // Edge scan: one fragment reads its pixel's depth, turns it into longitude and latitude, and writes the
-// colour of the last region that it is in. In whose box it lies, of that region it tests every edge: those
-// south of it, on its own meridian, are counted, and an odd number of them turns inside into outside.
+// colour of the last region that it is in. It tests every edge of each region whose box it lies in. Edges
+// south of it, on its own meridian, are counted: an odd number of them turns inside into outside.
 // Reads depth and, of the regions of the view, boxes, colours, lines and positions. Degrees; lengths in
-// metres about the body's centre, where f32 is off by half a metre. The arctangent is the driver's, Mesa's off
-// by 3e-6. Both are the faults of what users write, which this technique is here to show.
+// metres about the body's centre, where f32 is off by half a metre. The arctangent is the driver's; Mesa's is
+// off by 3e-6 rad. Shaders that users write have both errors, and this technique is here to show them.
 #import shared/view.wgsl
 
 // Two halves a position instead of two floats.

@@ -279,7 +279,7 @@ impl MapView<'_> {
                 let share = ((tinted_m - low) / (high - low)).clamp(0.0, 1.0);
                 REGION_OPACITY.lerp(REGION_OPACITY_ON_HIGH_GROUND, share)
             };
-            colour = colour.lerp(region_colour(region), opacity);
+            colour = colour.lerp(map_colour(region), opacity);
         }
         // Water is level; what lies below it shines through.
         let relief = if is_water { 0.35 } else { 1.0 };
@@ -410,7 +410,7 @@ impl MapView<'_> {
 }
 
 /// Colours between violet and rose, which neither land nor water nor rock has, light and dark by turns.
-fn region_colour(index: usize) -> DVec3 {
+fn map_colour(index: usize) -> DVec3 {
     let share = (index as f64 * 0.618_033_988_749_895).fract();
     let hue = DVec3::new(112.0, 40.0, 214.0).lerp(DVec3::new(232.0, 24.0, 108.0), share);
     hue.lerp(WHITE, [0.0, 0.42, 0.2][index % 3])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pictures held against the reference: where `f32` suffices they are right, half floats and eyes close by
-//! make them wrong by as much as their rounding is seen, and an edge that is missing is noticed.
+//! Pictures compared with the reference. Where `f32` suffices they are right. Half floats, or an eye close by,
+//! make them wrong by as much of the rounding as can be seen. An edge that is missing is noticed.
 //!
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
@@ -303,8 +303,8 @@ fn an_edge_that_is_missing_is_noticed() {
             move |at: u32| f32::from_bits(whole.words[2 * at as usize + axis])
         });
         let span_rad = f64::from((longitude(end) - longitude(end - 1)).abs()).to_radians();
-        // What is north of less may lie between the centres of pixels, and north of the northern side the
-        // box ends.
+        // What lies north of a shorter edge may fall between the centres of pixels. North of the northern side
+        // the box ends.
         if span_rad < 1.5 * pixel_rad || latitude(end) > 0.0 {
             continue;
         }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Outlines of regions as lines of positions in the plane of longitude and latitude, from −180° to 180°.
 //!
-//! Degrees. A place is inside by the number of edges that are south of it on its own meridian: each turns
-//! inside into outside. Whether a region is inside where no edge is to the south is found from a place in it.
-//! So neither pole needs an edge of its own, nor do the ends of the plane, where lines that reach over are cut.
+//! Degrees. Whether a place is inside follows from the number of edges south of it on its own meridian: each
+//! turns inside into outside. What no edge is south of is inside or outside; which of them is found from a place
+//! in the region. So neither pole needs an edge of its own. Nor do the ends of the plane, where lines that cross
+//! the antimeridian are cut.
 //! Edges are those of the region's mesh: straight in this plane to the mesh's tolerance, by either edge rule.
 
 use std::ops::Range;

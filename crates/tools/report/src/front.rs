@@ -141,8 +141,8 @@ pub(crate) fn front(
     .render()
 }
 
-/// An answer whose names are explained right below its sentence, and those of its first plot below that: who sees the
-/// page for the first time knows none.
+/// An answer with the names in its sentence explained right below it, and the names in its first plot below the plot:
+/// a first reader knows none of them.
 fn explained(report: &Report<'_>, blocks: &[Block]) -> Vec<Block> {
     let names = |text: &str| Some(report.glossary.of_names(text)).filter(|all| !all.is_empty());
     let mut with_names = Vec::new();

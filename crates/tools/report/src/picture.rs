@@ -177,6 +177,24 @@ mod tests {
     }
 
     #[test]
+    fn a_photo_stays_one_and_a_drawing_by_its_name_is_refused() {
+        let folder = folder_with_picture();
+        let place = |name: &str| folder.path().join(name);
+        image::RgbImage::from_pixel(8, 4, image::Rgb([1, 2, 3]))
+            .save(place("a.jpg"))
+            .expect("a picture");
+        for picture in [Picture::read, Picture::small].map(|read| read(folder.path(), "a.jpg")) {
+            let picture = picture.expect("a picture");
+            assert!(picture.uri().starts_with("data:image/jpeg;"), "{picture:?}");
+            assert_eq!(picture.ending(), "jpg");
+        }
+        // Negative control.
+        std::fs::copy(place("a.png"), place("b.jpg")).expect("writable");
+        let other = Picture::read(folder.path(), "b.jpg");
+        assert!(matches!(other, Err(Unshown::Broken(_))), "{other:?}");
+    }
+
+    #[test]
     fn half_a_picture_absence_and_foreign_files_are_refused() {
         let folder = folder_with_picture();
         let bytes = std::fs::read(folder.path().join("a.png")).expect("the file");

@@ -144,6 +144,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
             ..Cell::name(some_of(names))
         },
     };
+    // Of equal figures the recommended fill is named: it comes first.
     let cells = [
         winner(data, recommended),
         cell(Some(fastest)),

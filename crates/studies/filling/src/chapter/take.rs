@@ -90,7 +90,10 @@ fn picture(
         dots: "small dots: one for each view",
         tie_factor: data.timings.noise.map(|noise| noise.max_factor()),
         groups: vec![RatioGroup {
-            name: format!("{} views", contested.len()),
+            name: match contested.len() {
+                1 => "1 view".to_owned(),
+                views => format!("{views} views"),
+            },
             dashed: None,
             rows,
         }],
@@ -107,7 +110,7 @@ fn picture(
     let caption = format!(
         "How much longer each fill takes than the fastest of its view, where it is right and timed in every view. Left is \
          better. The mark is the geometric mean over the views. The line goes from the least to the most of them and is \
-         no error bar. On the right: the mean, the most, and all bytes that it holds on the device where they are \
+         no error bar. On the right: the mean, the most, and the bytes that it holds on the device where they are \
          most.{noise}{off}"
     );
     Ok(Block::plot(caption, plot.draw(data.palette())?))
@@ -222,7 +225,7 @@ fn times(data: &Data<'_>, best: &Ranked<'_>) -> Option<String> {
 fn held(best: &Ranked<'_>) -> String {
     match (best.held_bytes(), best.most_of(GEOMETRY_BYTES)) {
         (Some(held), Some(geometry)) => format!(
-            "Memory: at most {} on the device in a view, all buffers and textures counted; geometry alone at most {}.",
+            "Memory: at most {} on the device in a view: geometry, constants, targets and textures; geometry alone at most {}.",
             measured_bytes(held),
             measured_bytes(geometry)
         ),

@@ -1658,7 +1658,7 @@ fn the_first_words_say_what_to_take_what_it_costs_and_how_sure_that_is() {
         &[
             "Take vertex/pulled: the fastest of its view, or tied. Of the fills that tie with it on average it has \
              the fewest bytes.",
-            "at most 1.00 kB on the device in a view, all buffers and textures counted; geometry alone at most 1.00 kB.",
+            "at most 1.00 kB on the device in a view: geometry, constants, targets and textures; geometry alone at most 1.00 kB.",
             "Pictures are right: at most 5 pixels of one differ from the exact reference, each within a pixel of a \
              boundary.",
             "How sure: times to ± ",

@@ -166,7 +166,7 @@ impl<'a> References<'a> {
         }))
     }
 
-    /// File of the view as a map shows it, small: for people, who see neither terrain nor horizon in what is judged.
+    /// File of the view as a small map, for people: pictures that are judged show neither terrain nor horizon.
     pub(super) fn map(&self) -> Result<String, StudyError> {
         if let Some(known) = self.map.get() {
             return Ok(known.clone());
