@@ -186,6 +186,16 @@ pub struct StructLayout {
     pub stride: u32,
 }
 
+impl StructLayout {
+    /// Byte at which a member starts.
+    #[must_use]
+    pub fn offset(&self, name: &str) -> Option<usize> {
+        let mut members = self.members.iter();
+        let member = members.find(|(member, ..)| member == name)?;
+        Some(member.1 as usize)
+    }
+}
+
 /// Layout of struct `name` in the shader at `path`.
 ///
 /// # Errors

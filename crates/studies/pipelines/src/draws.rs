@@ -2,6 +2,7 @@
 //! What opened ways do, on whichever interface: they draw, count and take time.
 
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
+use terrafill_shapes::rays::Judged;
 use terrafill_study::Figures;
 use terrafill_vulkan::PassStatistics;
 
@@ -64,6 +65,40 @@ impl From<Option<PassStatistics>> for Counted {
             geometry_invocations: of.geometry_shader_invocations.filter(|count| *count > 0),
             primitives: Some(of.clipper_invocations),
         })
+    }
+}
+
+/// What a judged picture says in the study's words.
+pub(crate) trait JudgedFigures {
+    /// What is counted of every picture.
+    fn figures(&self) -> Figures;
+    /// What is wrong with it; nothing of what is right.
+    ///
+    /// - `expected`: primitives that reach clipping
+    fn reason(&self, counted: &Counted, expected: u64) -> String;
+}
+
+impl JudgedFigures for Judged {
+    fn figures(&self) -> Figures {
+        vec![
+            ("pipeline_mismatched_px", self.mismatched as f64),
+            ("pipeline_band_px", self.in_band as f64),
+            ("pipeline_shown_px", self.shown as f64),
+        ]
+    }
+
+    fn reason(&self, counted: &Counted, expected: u64) -> String {
+        match counted.primitives {
+            _ if self.mismatched > 0 => {
+                let pixels = self.mismatched;
+                format!("{pixels} pixels show what the reference does not allow")
+            }
+            _ if self.shown == 0 => "it shows nothing".to_owned(),
+            Some(found) if found != expected => {
+                format!("{found} primitives reached clipping, expected {expected}")
+            }
+            _ => String::new(),
+        }
     }
 }
 

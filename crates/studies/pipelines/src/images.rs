@@ -2,11 +2,11 @@
 //! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
 
 use crate::STUDY;
-use crate::grid::Grid;
 use crate::metrics::SIZE_PX;
 use std::path::Path;
 use terrafill_results::ConditionKey;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::Grid;
 use terrafill_study::{Request, StudyError, file_stem, size_name, write_rgb};
 
 /// Of a quick run that names no size: the published one is not known.

@@ -15,7 +15,6 @@ mod cache;
 mod chapter;
 mod culling;
 mod draws;
-mod grid;
 mod images;
 mod layered;
 mod lights;
@@ -25,7 +24,6 @@ mod metrics;
 mod numbers;
 mod on_vulkan;
 mod on_wgpu;
-mod rays;
 mod study;
 #[cfg(test)]
 mod tested;

@@ -4,11 +4,8 @@
 
 mod bezier;
 mod deformed;
-mod distance;
 mod image;
-mod mesh;
 mod picture;
-mod rays;
 
 pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches};
 pub(crate) use deformed::{DeformWay, group as deformed};

@@ -2,7 +2,6 @@
 //! Grids on Vulkan itself, which has every stage.
 
 use crate::draws::{Counted, Draws, Times, count};
-use crate::grid::{Grid, GridConstants};
 use crate::way::{
     ARGUMENT_BYTES, MESH_CELLS, MESH_SHADERS, PATCH_CELLS, Submission, emitted_by_point,
     geometry_shader, patch_indices,
@@ -11,6 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridConstants};
 use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,

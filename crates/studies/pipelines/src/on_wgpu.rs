@@ -2,7 +2,6 @@
 //! Grids on wgpu, which has no geometry shaders. Its mesh shaders are experimental, where the device offers them.
 
 use crate::draws::{Counted, Draws, Times};
-use crate::grid::{Grid, GridConstants};
 use crate::way::{
     ARGUMENT_BYTES, MESH_CELLS, MESH_SHADERS, PATCH_CELLS, Submission, patch_indices,
 };
@@ -11,6 +10,7 @@ use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_gpu::{DirectPipeline, Gpu, RenderTargets};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridConstants};
 
 /// What is drawn.
 enum Call {

@@ -3,12 +3,10 @@
 
 use crate::chapter::CHAPTER;
 use crate::draws::{Draws, differing};
-use crate::grid::{Grid, GridCamera};
 use crate::images::{of_numbers, size_of, size_px, write};
 use crate::metrics::{self, API, DECLARED, EXPERIMENT, METRICS, SOURCE, STRIP, WAY};
 use crate::on_vulkan::OnVulkan;
 use crate::on_wgpu::OnWgpu;
-use crate::rays::{Judged, Rays};
 use crate::way::{
     AS_EMITTED, DECLARED_VERTICES, GRID_WAYS, Interface, Source, Strips, Submission,
     emitted_by_point,
@@ -18,6 +16,8 @@ use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::{ConditionKey, Verdict};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridCamera};
+use terrafill_shapes::rays::{Judged, Rays};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
     StudyError, planned_case, verified,

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Groups of cases run by tests, on devices of both interfaces, and what shaders read.
+//! Groups of cases run by tests, on devices of both interfaces.
 
 use std::rc::Rc;
 use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::{Status, Verdict};
-use terrafill_shaders::StructLayout;
 use terrafill_study::{Context, Failure, Group};
 
 /// Devices and the folder of a run.
@@ -57,12 +56,6 @@ impl Tested {
         }
         verdicts
     }
-}
-
-/// Where a member of a shader's struct lies.
-pub(crate) fn offset(layout: &StructLayout, name: &str) -> usize {
-    let member = layout.members.iter().find(|member| member.0 == name);
-    member.unwrap_or_else(|| panic!("{name}")).1 as usize
 }
 
 /// A figure of a verdict.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How variance shadows sum depths, and how maps store them. Depths are from 0 to 1.
 
-use crate::grid::nearest;
 use terrafill_results::SplitMix64;
+use terrafill_shapes::grid::nearest;
 
 terrafill_results::named! {
     /// How moments are summed.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The ways in which vertices of a grid may come, and what each costs before anything is drawn.
 
-use crate::grid::Grid;
 use std::ops::Range;
+use terrafill_shapes::grid::Grid;
 
 /// A side of the patch that `patch.wgsl` draws, cells.
 pub(crate) const PATCH_CELLS: u32 = 64;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Ground in blocks, what is looked up in it, and which texel that is, by integers.
 
-use crate::grid::nearest;
 use bytemuck::{Pod, Zeroable};
+use terrafill_shapes::grid::nearest;
 
 /// A side of a block, texels.
 pub(crate) const SIDE: u32 = 64;
@@ -161,7 +161,6 @@ pub(crate) fn answer(blocks: Blocks, query: &TexelQuery, versions: impl Fn(u32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
@@ -169,7 +168,7 @@ mod tests {
     fn what_the_shader_reads_lies_as_it_does_here() {
         let path = "pipelines/cache_array.wgsl";
         let query = struct_layout(path, "TexelQuery").expect("a struct");
-        let offset = |name: &str| offset(&query, name);
+        let offset = |name: &str| query.offset(name).expect(name);
         assert_eq!(offset("share"), offset_of!(TexelQuery, share));
         assert_eq!(offset("world_m"), offset_of!(TexelQuery, world_m));
         assert_eq!(query.stride as usize, size_of::<TexelQuery>());

@@ -5,8 +5,8 @@ use super::frustum::Frustum;
 use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
 use super::way::{CullStage, Test};
 use crate::draws::{Counted, Times, count};
-use crate::grid::GridCamera;
 use terrafill_contract::{DeviceError, Picture};
+use terrafill_shapes::grid::GridCamera;
 
 /// Vertices of a patch, six a cell.
 const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;

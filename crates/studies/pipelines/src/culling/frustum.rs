@@ -2,8 +2,8 @@
 //! Boxes against the planes of a view on the CPU, in `f64`: level 1, and level 2 where the CPU does it.
 
 use super::ground::{Ground, PATCH_CELLS, TILES};
-use crate::grid::{GridCamera, NEAR_M};
 use glam::DVec3;
+use terrafill_shapes::grid::{GridCamera, NEAR_M};
 
 /// The four sides and the near plane of a view; normals point inwards.
 #[derive(Debug, Clone, Copy)]

@@ -4,10 +4,10 @@
 //! Metres; x along columns, y along rows, z up. A cell is 30 m.
 
 use super::way::{Test, ViewKind};
-use crate::grid::{Grid, GridCamera, nearest};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, DVec4, IVec2};
 use std::f64::consts::TAU;
+use terrafill_shapes::grid::{Grid, GridCamera, nearest};
 
 /// A side of the ground, tiles.
 pub(crate) const TILES: u32 = 16;
@@ -198,14 +198,13 @@ impl GroundConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/cull.wgsl", "GroundConstants").expect("a struct");
-        let offset = |name: &str| offset(&layout, name);
+        let offset = |name: &str| layout.offset(name).expect(name);
         for (name, at) in [
             ("column", offset_of!(GroundConstants, column)),
             ("row", offset_of!(GroundConstants, row)),

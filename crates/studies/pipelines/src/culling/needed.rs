@@ -4,8 +4,8 @@
 //! Every vertex of the ground is projected; no box, no plane and no matrix of what culls is used.
 
 use super::ground::PATCH_CELLS;
-use crate::grid::{Grid, GridCamera, NEAR_M};
 use glam::DVec3;
+use terrafill_shapes::grid::{Grid, GridCamera, NEAR_M};
 
 /// What a list of kept patches has too few and too many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

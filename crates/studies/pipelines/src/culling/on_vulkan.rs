@@ -5,12 +5,12 @@ use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
 use super::ground::{Ground, PATCH_TRIANGLES};
 use super::way::{CullStage, CullWay};
 use crate::draws::{Counted, Times};
-use crate::grid::GridCamera;
 use crate::on_vulkan::{heights, numbered, uniform, wgsl};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
     GeometryOutput, Gpu, Measured, PrimitiveStages, RenderTargets, Resource, Resources,

@@ -5,7 +5,6 @@ use super::culls::{Culls, Kept, Sent, Shown, constants, listed};
 use super::ground::Ground;
 use super::way::{CullStage, CullWay};
 use crate::draws::{Counted, Times};
-use crate::grid::GridCamera;
 use crate::on_wgpu::{
     bind, compute_pipeline, draw_pipeline, heights, storage_type, texture_type, uniform_type,
 };
@@ -14,6 +13,7 @@ use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_buffer};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
 
 /// Patches that a workgroup tests.
 const GROUP: u32 = 64;

@@ -8,16 +8,16 @@ use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
 use super::way::{CullStage, CullWay, FLIGHT_S, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
-use crate::grid::GridCamera;
 use crate::images::{of_numbers, size_px, write};
 use crate::metrics::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
-use crate::rays::{Judged, Rays};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_contract::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::rays::{Judged, Rays};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, planned_case, verified};
 
 /// Cells a side of a tile: the published 256, whose lists are counted and whose frames are not timed, and a quarter of

@@ -13,7 +13,6 @@ use crate::blur::{
 };
 use crate::cache::scatter;
 use crate::draws::{LooksUp, bits, differing};
-use crate::grid::nearest;
 use crate::images::square;
 use crate::lights::{LightColumns, LightWay};
 use crate::metrics::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
@@ -22,6 +21,7 @@ use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
+use terrafill_shapes::grid::nearest;
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };

@@ -2,9 +2,9 @@
 //! Triangles of a list, the matrix of each layer, and the picture that looks the layers up.
 
 use crate::draws::count;
-use crate::grid::nearest;
 use crate::lights::LightColumns;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::nearest;
 
 /// Most layers, as shaders have room for.
 pub(crate) const MOST_LAYERS: usize = 128;
@@ -65,7 +65,6 @@ pub(crate) fn numbers_of(rgba: &[u8]) -> Vec<f32> {
 mod tests {
     use super::*;
     use crate::images::square;
-    use crate::tested::offset;
     use terrafill_shaders::struct_layout;
 
     #[test]
@@ -82,7 +81,8 @@ mod tests {
         let bytes = listed.layer_bytes();
         let layout = struct_layout("pipelines/listed.wgsl", "Layers").expect("a struct");
         assert_eq!(layout.stride as usize, bytes.len());
-        let at = |name: &str| [0, 1, 2, 3].map(|byte| bytes[offset(&layout, name) + byte]);
+        let at =
+            |name: &str| [0, 1, 2, 3].map(|byte| bytes[layout.offset(name).expect(name) + byte]);
         assert_eq!(u32::from_ne_bytes(at("count")), 3);
         // Negative control: another member.
         assert_ne!(u32::from_ne_bytes(at("weight")), 3);

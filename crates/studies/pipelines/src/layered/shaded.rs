@@ -7,7 +7,6 @@
 use super::listed::{Listed, numbers_of, rectangle};
 use super::variance_bounds::{TAPS, light, moments};
 use crate::draws::Looked;
-use crate::grid::nearest;
 use crate::images::square;
 use crate::lights::LightColumns;
 use crate::variance::{DepthFormat, Moments, gaussian};
@@ -15,6 +14,7 @@ use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
 use terrafill_results::SplitMix64;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::nearest;
 
 /// A side of terraces and of rough ground, texels of the map and pixels; terraces are of 8, blocks of rough ground of 16.
 const GROUND: u32 = 256;

@@ -4,11 +4,11 @@
 use super::scene::{DistantLight, LightConstants};
 use super::way::LightWay;
 use crate::draws::{Counted, FrameTimes, Looked, LooksUp, Times, count};
-use crate::grid::{Grid, GridConstants};
 use crate::on_vulkan::{heights, numbered, uniform, wgsl};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridConstants};
 use terrafill_vulkan::{
     DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
     LayeredDepth, Measured, RenderTargets, Resource, Resources, Topology,

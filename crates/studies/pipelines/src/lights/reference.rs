@@ -7,8 +7,8 @@
 //! shadow, without any map, is counted beside it.
 
 use super::scene::{CENTRE, DistantLight, RADIUS_M, bias_m, texel_m};
-use crate::rays::{BAND_PX, Judged, Rays, around};
 use glam::{DVec2, DVec3};
+use terrafill_shapes::rays::{BAND_PX, Judged, Rays, around};
 
 /// Of depths in a map, metres: f32 rounds 3 km to 1e-4 m, a few times in a row.
 pub(super) const DEPTH_BAND_M: f64 = 2e-2;

@@ -2,9 +2,9 @@
 //! Distant lights all round the ground, and how a device reads them.
 
 use crate::draws::count;
-use crate::grid::{Grid, nearest};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec2, DVec3, DVec4};
+use terrafill_shapes::grid::{Grid, nearest};
 
 /// Most lights, as shaders have room for.
 pub(crate) const MOST_LIGHTS: usize = 16;
@@ -176,14 +176,13 @@ impl LightConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn lights_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/lit.wgsl", "Lights").expect("a struct");
-        let offset = |name: &str| offset(&layout, name);
+        let offset = |name: &str| layout.offset(name).expect(name);
         assert_eq!(offset("each"), offset_of!(LightConstants, each));
         assert_eq!(offset("count"), offset_of!(LightConstants, count));
         assert_eq!(offset("texels"), offset_of!(LightConstants, texels));

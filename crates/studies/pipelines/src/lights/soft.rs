@@ -12,18 +12,18 @@ use super::scene::{LightConstants, RADIUS_M, bias_m, ground, lights};
 use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::{LooksUp as _, count};
-use crate::grid::{Grid, GridCamera, GridConstants, nearest};
 use crate::images::{of_shares, size_px, write};
 use crate::layered::{TAPS, share_bounds};
 use crate::metrics::{self, EXPERIMENT, GRID_CELLS, MAP_TEXELS, SHADOW_FILTER};
 use crate::on_vulkan::{heights, uniform};
-use crate::rays::{BAND_PX, Rays, around, within};
 use crate::variance::Moments;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridCamera, GridConstants, nearest};
+use terrafill_shapes::rays::{BAND_PX, Rays, around, within};
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };

@@ -7,14 +7,14 @@ use super::scene::{DistantLight, ground, lights};
 use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::{LooksUp as _, bits, differing};
-use crate::grid::{Grid, GridCamera};
 use crate::images::{of_lights, size_px, write};
 use crate::metrics::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
-use crate::rays::Rays;
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{Grid, GridCamera};
+use terrafill_shapes::rays::Rays;
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };

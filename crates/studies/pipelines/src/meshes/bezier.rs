@@ -2,8 +2,6 @@
 //! Bicubic patches divided by every stage that can: the teapot that the paper shows, with a pot of our own.
 
 mod division;
-mod patch;
-mod pot;
 mod study;
 
 pub(crate) use division::{Division, MAX_PATCH_CELLS};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A model that is deformed and drawn more than once: deformed in each drawing, or once, kept by transform feedback.
 
-mod dents;
 mod study;
 mod way;
 

@@ -2,13 +2,9 @@
 //! Geometry images: an irregular mesh of a closed surface made into a square of places, and drawn by every stage that
 //! can fetch them.
 
-mod rabbit;
-mod sphere;
-mod square;
 mod study;
-mod tetrahedra;
 mod way;
 
-pub(crate) use square::{CellCut, rabbit_mesh};
 pub(crate) use study::group;
+pub(crate) use terrafill_shapes::square::{CellCut, rabbit_mesh};
 pub(crate) use way::ImageWay;

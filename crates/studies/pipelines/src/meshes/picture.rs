@@ -2,10 +2,10 @@
 //! Pictures of meshes: each triangle in the light that falls on it, every other cell a little darker, red what is
 //! wrong.
 
-use super::mesh::Mesh;
-use crate::grid::GridCamera;
 use crate::images::{PICTURE, SKY, WRONG, square};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::mesh::Mesh;
 use terrafill_study::{Depth, Request};
 
 /// Pixels a side, unless the request says otherwise or is quick.
@@ -62,9 +62,9 @@ pub(crate) fn shaded<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::Cut;
     use super::*;
     use glam::DVec3;
+    use terrafill_shapes::mesh::Cut;
 
     #[test]
     fn sky_surface_and_what_is_wrong_look_different() {

@@ -4,9 +4,9 @@
 //! Moments of a window of 5 × 5 taps at lookup, no bias, no floor. The reference is the same formula in `f64` on
 //! the same taps, by two passes.
 
-use crate::grid::nearest;
 use crate::variance::{DepthFormat, Moments, gaussian};
 use terrafill_results::SplitMix64;
+use terrafill_shapes::grid::nearest;
 
 /// A window of 5 × 5.
 const TAPS: usize = 25;

@@ -11,11 +11,9 @@ use super::study::ray_every;
 use crate::STUDY;
 use crate::cache::keep::Keep;
 use crate::draws::{Draws as _, Times};
-use crate::grid::{GridCamera, nearest};
 use crate::images::{of_relief, size_px, write};
 use crate::metrics::{self, CRATER_WAY, CRATERS, EXPERIMENT, GRID_CELLS};
 use crate::on_wgpu::{storage_type, texture_type, uniform_type};
-use crate::rays::Rays;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -23,6 +21,8 @@ use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_gpu::{PassTimer, TimedPass, read_texture};
 use terrafill_results::{SplitMix64, Verdict};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::{GridCamera, nearest};
+use terrafill_shapes::rays::Rays;
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };
@@ -503,7 +503,7 @@ impl Session for CraterSession<'_> {
 mod tests {
     use super::*;
     use crate::images::PICTURE;
-    use crate::tested::{Tested, offset};
+    use crate::tested::Tested;
     use std::mem::offset_of;
     use terrafill_results::Status;
     use terrafill_shaders::struct_layout;
@@ -511,12 +511,24 @@ mod tests {
     #[test]
     fn craters_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/craters.wgsl", "Crater").expect("a struct");
-        assert_eq!(offset(&layout, "radius"), offset_of!(Crater, radius));
-        assert_eq!(offset(&layout, "depth"), offset_of!(Crater, depth));
+        assert_eq!(
+            layout.offset("radius").expect("radius"),
+            offset_of!(Crater, radius)
+        );
+        assert_eq!(
+            layout.offset("depth").expect("depth"),
+            offset_of!(Crater, depth)
+        );
         assert_eq!(layout.stride as usize, size_of::<Crater>());
         let layout = struct_layout("pipelines/craters.wgsl", "CraterConstants").expect("a struct");
-        assert_eq!(offset(&layout, "count"), offset_of!(CraterConstants, count));
-        assert_ne!(offset(&layout, "first"), offset_of!(CraterConstants, count));
+        assert_eq!(
+            layout.offset("count").expect("count"),
+            offset_of!(CraterConstants, count)
+        );
+        assert_ne!(
+            layout.offset("first").expect("first"),
+            offset_of!(CraterConstants, count)
+        );
     }
 
     #[test]

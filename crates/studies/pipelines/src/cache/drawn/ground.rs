@@ -2,10 +2,10 @@
 //! A grid cut into blocks, and where they lie in what keeps them.
 
 use crate::cache::keep::{Keep, Store};
-use crate::grid::{Grid, GridConstants, nearest};
 use std::f64::consts::TAU;
 use std::ops::Range;
 use terrafill_contract::DeviceError;
+use terrafill_shapes::grid::{Grid, GridConstants, nearest};
 
 /// A grid whose heights lie in blocks.
 #[derive(Debug, Clone)]

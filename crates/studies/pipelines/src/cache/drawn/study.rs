@@ -6,15 +6,15 @@ use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
 use crate::cache::keep::Keep;
 use crate::draws::{Draws, differing};
-use crate::grid::GridCamera;
 use crate::images::{of_relief, size_px, write};
 use crate::metrics::{self, API, EXPERIMENT, GRID_CELLS, KEPT_IN};
-use crate::rays::Rays;
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::rays::Rays;
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };

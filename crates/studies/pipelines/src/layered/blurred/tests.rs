@@ -2,7 +2,7 @@
 //! Blur on devices against its definition, and what must be noticed.
 
 use super::*;
-use crate::tested::{Tested, offset};
+use crate::tested::Tested;
 use terrafill_results::Status;
 use terrafill_shaders::struct_layout;
 
@@ -10,7 +10,7 @@ use terrafill_shaders::struct_layout;
 fn constants_lie_as_the_shader_reads_them() {
     use std::mem::offset_of;
     let layout = struct_layout("pipelines/blurred.wgsl", "Blurred").expect("a struct");
-    let offset = |name: &str| offset(&layout, name);
+    let offset = |name: &str| layout.offset(name).expect(name);
     assert_eq!(offset("resolve"), offset_of!(BlurredConstants, resolve));
     assert_eq!(offset("motion"), offset_of!(BlurredConstants, motion));
     assert_eq!(offset("bar"), offset_of!(BlurredConstants, bar));

@@ -2,13 +2,12 @@
 //! The shadows' scenes themselves.
 
 use super::*;
-use crate::tested::offset;
 use terrafill_shaders::struct_layout;
 
 #[test]
 fn constants_lie_as_the_shader_reads_them() {
     let layout = struct_layout("pipelines/shaded.wgsl", "Shaded").expect("a struct");
-    let offset = |name: &str| offset(&layout, name);
+    let offset = |name: &str| layout.offset(name).expect(name);
     use std::mem::offset_of;
     assert_eq!(offset("texels"), offset_of!(ShadedConstants, texels));
     assert_eq!(offset("moments"), offset_of!(ShadedConstants, moments));

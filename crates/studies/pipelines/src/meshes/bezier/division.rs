@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The stages that divide patches into cells, on Vulkan, which has all of them.
 
-use super::super::mesh::MeshConstants;
-use super::patch::Patch;
-use super::pot::pot_view;
 use crate::draws::count;
 use crate::on_vulkan::{Call, OnVulkan, numbered, uniform, wgsl};
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::mesh::MeshConstants;
+use terrafill_shapes::patch::Patch;
+use terrafill_shapes::pot::pot_view;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DrawPipeline, GeometryOutput, Gpu, PrimitiveStages,
     Resource, Resources, Topology,

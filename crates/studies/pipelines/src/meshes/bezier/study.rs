@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: patches divided at each level by each stage.
 
-use super::super::distance::{Distances, PLACES};
-use super::super::mesh::{Cut, Mesh};
 use super::super::picture::{shaded, size_of};
-use super::super::rays::{MeshRays, judge_cells};
 use super::division::Division;
-use super::patch::Patch;
-use super::pot::{pot, pot_view};
 use crate::STUDY;
-use crate::draws::{Draws as _, count};
+use crate::draws::{Draws as _, JudgedFigures as _, count};
 use crate::images::{size_px, write};
 use crate::metrics::{EXPERIMENT, LEVEL, WAY};
 use crate::on_vulkan::OnVulkan;
@@ -18,6 +13,11 @@ use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::distance::{Distances, PLACES};
+use terrafill_shapes::mesh::{Cut, Mesh};
+use terrafill_shapes::mesh_rays::{MeshRays, judge_cells};
+use terrafill_shapes::patch::Patch;
+use terrafill_shapes::pot::{pot, pot_view};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
     verified,

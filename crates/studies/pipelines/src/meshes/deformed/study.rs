@@ -2,22 +2,22 @@
 //! The cases: a model deformed by every way, drawn twice and more often.
 
 use super::super::image::rabbit_mesh;
-use super::super::mesh::Mesh;
 use super::super::picture::{shaded, size_of};
-use super::super::rays::MeshRays;
-use super::dents::{Dent, deformed, dents};
 use super::way::{DeformWay, Deforming};
 use crate::STUDY;
-use crate::draws::{Draws as _, count};
-use crate::grid::GridCamera;
+use crate::draws::{Draws as _, JudgedFigures as _, count};
 use crate::images::{size_px, write};
 use crate::metrics::{DRAWINGS, EXPERIMENT, WAY};
-use crate::rays::Judged;
 use glam::{DVec3, Vec4};
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::dents::{Dent, deformed, dents};
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::mesh::Mesh;
+use terrafill_shapes::mesh_rays::MeshRays;
+use terrafill_shapes::rays::Judged;
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
     verified,

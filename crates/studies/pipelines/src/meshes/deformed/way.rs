@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where a model is deformed, on Vulkan, which has transform feedback.
 
-use super::super::mesh::{Mesh, MeshConstants};
-use super::dents::Dent;
 use crate::draws::{Counted, Draws, Times, count};
-use crate::grid::GridCamera;
 use crate::on_vulkan::{numbered, uniform, wgsl};
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::dents::Dent;
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::mesh::{Mesh, MeshConstants};
 use terrafill_vulkan::{
     Buffer, BufferUse, CapturePipeline, ComputePipeline, DirectDraw, DirectReport, Dispatch,
     DrawCall, DrawPipeline, Gpu, IndexWidth, Measured, RenderTargets, Resource, Resources,

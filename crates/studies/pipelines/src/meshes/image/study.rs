@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: geometry images of each size by each stage, cut and stored otherwise too.
 
-use super::super::distance::Distances;
-use super::super::mesh::Mesh;
 use super::super::picture::{shaded, size_of};
-use super::super::rays::MeshRays;
-use super::rabbit::rabbit_view;
-use super::sphere::Sphere;
-use super::square::{CellCut, Stored, distances, image, open_texels, sphere};
 use super::way::ImageWay;
 use crate::STUDY;
-use crate::draws::Draws as _;
+use crate::draws::{Draws as _, JudgedFigures as _};
 use crate::images::{of_numbers, size_px, write};
 use crate::metrics::{CUT, EXPERIMENT, STORED, TEXELS, WAY};
 use crate::on_vulkan::OnVulkan;
@@ -18,6 +12,12 @@ use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::distance::Distances;
+use terrafill_shapes::mesh::Mesh;
+use terrafill_shapes::mesh_rays::MeshRays;
+use terrafill_shapes::rabbit::rabbit_view;
+use terrafill_shapes::sphere::Sphere;
+use terrafill_shapes::square::{CellCut, Stored, distances, image, open_texels, sphere};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
     verified,

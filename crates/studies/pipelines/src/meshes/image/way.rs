@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The stages that make triangles of a geometry image, on Vulkan, which has all of them.
 
-use super::super::mesh::{Mesh, MeshConstants};
-use super::rabbit::rabbit_view;
-use super::square::CellCut;
 use crate::on_vulkan::{Call, OnVulkan, numbered, uniform, wgsl};
 use crate::way::MESH_CELLS;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::mesh::{Mesh, MeshConstants};
+use terrafill_shapes::rabbit::rabbit_view;
+use terrafill_shapes::square::CellCut;
 use terrafill_stencil::{RouteTexelFormat, RouteTexels};
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DrawPipeline, GeometryOutput, Gpu, PrimitiveStages,

@@ -9,11 +9,11 @@ use std::collections::BTreeMap;
 
 /// Triangles without an order of their own, corners counter-clockwise from outside.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct IrregularMesh {
+pub struct IrregularMesh {
     /// Metres.
-    pub(crate) vertices: Vec<DVec3>,
+    pub vertices: Vec<DVec3>,
     /// Corners by their index.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
 }
 
 /// Orders in which a path along the axes reaches a cube's far corner: a tetrahedron each.
@@ -31,7 +31,7 @@ const PATHS: [[usize; 3]; 6] = [
 /// - `step`: a side of a cube, metres
 /// - `field`: above 0 inside
 /// - `onto`: moves a place near the surface onto it
-pub(crate) fn mesh(
+pub fn mesh(
     [low, high]: [DVec3; 2],
     step: f64,
     field: impl Fn(DVec3) -> f64,

@@ -5,7 +5,7 @@ use crate::grid::GridCamera;
 use glam::DVec3;
 
 /// Seven places of a triangle: its middle, those of its sides, and towards each corner.
-pub(crate) const PLACES: [[f64; 3]; 7] = [
+pub const PLACES: [[f64; 3]; 7] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
     [0.5, 0.5, 0.0],
     [0.0, 0.5, 0.5],
@@ -17,7 +17,7 @@ pub(crate) const PLACES: [[f64; 3]; 7] = [
 
 /// Distances of places from a surface.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Distances {
+pub struct Distances {
     max_m: f64,
     /// The largest as it is seen, of the picture's height.
     max_seen: f64,
@@ -26,7 +26,11 @@ pub(crate) struct Distances {
 }
 
 impl Distances {
-    pub(crate) fn add(&mut self, place: DVec3, distance_m: f64, view: &GridCamera) {
+    /// Adds a place of the surface.
+    ///
+    /// - `place`: metres
+    /// - `distance_m`: from the exact surface
+    pub fn add(&mut self, place: DVec3, distance_m: f64, view: &GridCamera) {
         self.max_m = self.max_m.max(distance_m);
         let away = (place - view.eye).dot(view.forward);
         self.max_seen = self.max_seen.max(0.5 * distance_m / (away * view.tan_half));
@@ -35,7 +39,7 @@ impl Distances {
     }
 
     /// - `height`: of the picture, pixels
-    pub(crate) fn figures(&self, height: u32) -> [(&'static str, f64); 3] {
+    pub fn figures(&self, height: u32) -> [(&'static str, f64); 3] {
         [
             ("surface_error_max_m", self.max_m),
             (

@@ -4,8 +4,8 @@
 //! No foreign model: the famous teapot's points are not here. Patches of the turned profile join smoothly, spout and
 //! handle end within its wall.
 
-use super::patch::Patch;
 use crate::grid::GridCamera;
+use crate::patch::Patch;
 use glam::{DVec2, DVec3};
 
 /// Where the control points of a quarter of a circle of radius 1 lie on its tangents: off by 0.027 % at most.
@@ -65,7 +65,7 @@ fn bent_tube(rings: [([f64; 2], f64, [f64; 2]); 4]) -> impl Iterator<Item = Patc
 }
 
 /// Its patches, as a device reads them.
-pub(crate) fn pot() -> Vec<Patch> {
+pub fn pot() -> Vec<Patch> {
     let turned = PROFILE.into_iter().flat_map(|piece| {
         tube(piece.map(|[radius, z]| [DVec3::Z * z, DVec3::X * radius, DVec3::Y * radius]))
     });
@@ -74,7 +74,7 @@ pub(crate) fn pot() -> Vec<Patch> {
 }
 
 /// From where it is seen: all of it, from a little above.
-pub(crate) fn pot_view() -> GridCamera {
+pub fn pot_view() -> GridCamera {
     let eye = DVec3::new(1.6, -4.3, 2.4);
     GridCamera::looking(eye, DVec3::new(0.02, 0.0, 0.72), 0.33)
 }

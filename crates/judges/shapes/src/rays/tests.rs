@@ -2,14 +2,14 @@
 //! Rays against projections, and pictures that are wrong on purpose.
 
 use super::*;
-use crate::images::square;
+use terrafill_scene::ImageSize;
 
 const SIZE: [u32; 2] = [96; 2];
 
 fn rays(grid: &Grid, cut: Cut) -> Rays<'_> {
     Rays {
         cut,
-        ..Rays::new(grid, GridCamera::new(), square(SIZE[0]))
+        ..Rays::new(grid, GridCamera::new(), ImageSize::new(SIZE[0], SIZE[1]))
     }
 }
 

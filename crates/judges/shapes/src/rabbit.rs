@@ -42,7 +42,7 @@ fn blobs() -> impl Iterator<Item = (DVec3, f64)> {
 }
 
 /// How much more than on the surface the field is, and its gradient.
-pub(crate) fn field(place: DVec3) -> (f64, DVec3) {
+pub fn field(place: DVec3) -> (f64, DVec3) {
     let (mut sum, mut gradient) = (-1.0, DVec3::ZERO);
     for (middle, radius) in blobs() {
         let from = place - middle;
@@ -55,7 +55,7 @@ pub(crate) fn field(place: DVec3) -> (f64, DVec3) {
 }
 
 /// The place of the surface that a line of steepest change through a place near it meets.
-pub(crate) fn onto(mut place: DVec3) -> DVec3 {
+pub fn onto(mut place: DVec3) -> DVec3 {
     for _ in 0..STEPS {
         let (more, gradient) = field(place);
         place -= gradient * (more / gradient.length_squared());
@@ -64,12 +64,12 @@ pub(crate) fn onto(mut place: DVec3) -> DVec3 {
 }
 
 /// Distance from the surface along its normal, metres, of a place near it.
-pub(crate) fn distance_m(place: DVec3) -> f64 {
+pub fn distance_m(place: DVec3) -> f64 {
     (place - onto(place)).length()
 }
 
 /// The direction in which the line of steepest fall from a place ends.
-pub(crate) fn direction(mut place: DVec3) -> DVec3 {
+pub fn direction(mut place: DVec3) -> DVec3 {
     let fall = |place: DVec3| -field(place).1.normalize();
     while place.length() < FAR_M {
         // Fourth-order Runge–Kutta.
@@ -84,10 +84,10 @@ pub(crate) fn direction(mut place: DVec3) -> DVec3 {
 }
 
 /// The box that holds it, metres.
-pub(crate) const BOX: [DVec3; 2] = [DVec3::new(-1.6, -1.1, -1.1), DVec3::new(1.4, 1.1, 2.1)];
+pub const BOX: [DVec3; 2] = [DVec3::new(-1.6, -1.1, -1.1), DVec3::new(1.4, 1.1, 2.1)];
 
 /// From where it is seen.
-pub(crate) fn rabbit_view() -> GridCamera {
+pub fn rabbit_view() -> GridCamera {
     let eye = DVec3::new(2.6, -4.0, 1.4);
     GridCamera::looking(eye, DVec3::new(-0.1, 0.0, 0.4), 0.28)
 }

@@ -13,29 +13,31 @@ const SIDE_M: f64 = 2_000.0;
 /// Tangent of half the field of view, either way: 60° hold the whole square.
 const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
 /// Distance of the near plane: nothing is nearer.
-pub(crate) const NEAR_M: f64 = 1.0;
+pub const NEAR_M: f64 = 1.0;
 const EYE: DVec3 = DVec3::new(930.0, -1_500.0, 1_200.0);
 const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
 
 /// The nearest number that a device can read.
 #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
-pub(crate) fn nearest(value: f64) -> f32 {
+pub fn nearest(value: f64) -> f32 {
     value as f32
 }
 
 /// Heights of (cells + 1)² vertices, so that no cell reaches beyond the grid.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Grid {
+pub struct Grid {
     /// A side.
-    pub(crate) cells: u32,
+    pub cells: u32,
     /// A side, metres.
-    pub(crate) side_m: f64,
+    pub side_m: f64,
     /// Metres, row by row, as the device gets them.
-    pub(crate) heights: Vec<f32>,
+    pub heights: Vec<f32>,
 }
 
 impl Grid {
-    pub(crate) fn new(cells: u32) -> Self {
+    /// The square of ground with so many cells a side.
+    #[must_use]
+    pub fn new(cells: u32) -> Self {
         let step_m = SIDE_M / f64::from(cells);
         let vertices = (0..=cells).flat_map(|row| (0..=cells).map(move |column| (column, row)));
         let height = |(column, row)| {
@@ -50,16 +52,20 @@ impl Grid {
         }
     }
 
-    pub(crate) fn step_m(&self) -> f64 {
+    /// A side of a cell, metres.
+    #[must_use]
+    pub fn step_m(&self) -> f64 {
         self.side_m / f64::from(self.cells)
     }
 
-    pub(crate) fn index(&self, column: u32, row: u32) -> usize {
+    /// Where the height of a vertex is.
+    #[must_use]
+    pub fn index(&self, column: u32, row: u32) -> usize {
         row as usize * (self.cells as usize + 1) + column as usize
     }
 
     /// Column, row and height of a vertex, as they are sent.
-    pub(crate) fn vertex(&self, column: u32, row: u32) -> [f32; 3] {
+    pub fn vertex(&self, column: u32, row: u32) -> [f32; 3] {
         let height = self.heights[self.index(column, row)];
         [column as f32, row as f32, height]
     }
@@ -67,22 +73,34 @@ impl Grid {
 
 /// From where the grid is seen: an eye and the axes of the screen.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct GridCamera {
-    pub(crate) eye: DVec3,
-    pub(crate) right: DVec3,
-    pub(crate) up: DVec3,
-    pub(crate) forward: DVec3,
+pub struct GridCamera {
+    /// Metres.
+    pub eye: DVec3,
+    /// Unit vector along the rows of the picture.
+    pub right: DVec3,
+    /// Unit vector up its columns.
+    pub up: DVec3,
+    /// Unit vector into the picture.
+    pub forward: DVec3,
     /// Tangent of half the field of view, either way.
-    pub(crate) tan_half: f64,
+    pub tan_half: f64,
+}
+
+impl Default for GridCamera {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl GridCamera {
-    pub(crate) fn new() -> Self {
+    /// The view that holds the whole square of ground.
+    #[must_use]
+    pub fn new() -> Self {
         Self::looking(EYE, TARGET, TAN_HALF_VIEW)
     }
 
     /// From an eye to a target that is not straight above or below it, z up.
-    pub(crate) fn looking(eye: DVec3, target: DVec3, tan_half: f64) -> Self {
+    pub fn looking(eye: DVec3, target: DVec3, tan_half: f64) -> Self {
         let forward = (target - eye).normalize();
         let right = forward.cross(DVec3::Z).normalize();
         Self {
@@ -95,7 +113,7 @@ impl GridCamera {
     }
 
     /// Of the ray through a place of a picture of this size; its part along the view's axis is 1.
-    pub(crate) fn direction(&self, at_px: DVec2, size: [u32; 2]) -> DVec3 {
+    pub fn direction(&self, at_px: DVec2, size: [u32; 2]) -> DVec3 {
         let [width, height] = size.map(f64::from);
         let across = self.tan_half * (2.0 * at_px.x / width - 1.0);
         let upwards = self.tan_half * (1.0 - 2.0 * at_px.y / height);
@@ -103,7 +121,7 @@ impl GridCamera {
     }
 
     /// A place on a picture of this size, pixels, and its distance along the view's axis.
-    pub(crate) fn project(&self, place: DVec3, size: [u32; 2]) -> (DVec2, f64) {
+    pub fn project(&self, place: DVec3, size: [u32; 2]) -> (DVec2, f64) {
         let from_eye = place - self.eye;
         let away = from_eye.dot(self.forward);
         let [width, height] = size.map(f64::from);
@@ -114,7 +132,7 @@ impl GridCamera {
     }
 
     /// Clip space from metres, reversed depth with the far plane at infinity.
-    pub(crate) fn clip_from_world(&self) -> DMat4 {
+    pub fn clip_from_world(&self) -> DMat4 {
         let axes = [self.right, self.up, -self.forward];
         let rows = axes.map(|axis| axis.extend(-axis.dot(self.eye)));
         let view_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], DVec4::W).transpose();
@@ -132,19 +150,27 @@ impl GridCamera {
 /// Twin of `GridConstants` in `shared/cells.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct GridConstants {
-    pub(crate) column: [f32; 4],
-    pub(crate) row: [f32; 4],
-    pub(crate) height: [f32; 4],
-    pub(crate) origin: [f32; 4],
-    pub(crate) cells: u32,
+pub struct GridConstants {
+    /// Clip space of a step along a row.
+    pub column: [f32; 4],
+    /// Of a step along a column.
+    pub row: [f32; 4],
+    /// Of a metre upwards.
+    pub height: [f32; 4],
+    /// Of the first vertex at height 0.
+    pub origin: [f32; 4],
+    /// A side of the grid.
+    pub cells: u32,
     /// A side of a block; the grid's own where it is one.
-    pub(crate) block_cells: u32,
-    pub(crate) padding: [u32; 2],
+    pub block_cells: u32,
+    /// Zeros.
+    pub padding: [u32; 2],
 }
 
 impl GridConstants {
-    pub(crate) fn new(grid: &Grid) -> Self {
+    /// Of a grid in the view that holds all of it.
+    #[must_use]
+    pub fn new(grid: &Grid) -> Self {
         let clip = GridCamera::new().clip_from_world();
         let step_m = grid.step_m();
         let column = |of: DVec4| of.as_vec4().to_array();
@@ -163,14 +189,13 @@ impl GridConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/grid.wgsl", "GridConstants").expect("a struct");
-        let offset = |name: &str| offset(&layout, name);
+        let offset = |name: &str| layout.offset(name).expect(name);
         assert_eq!(offset("column"), offset_of!(GridConstants, column));
         assert_eq!(offset("row"), offset_of!(GridConstants, row));
         assert_eq!(offset("height"), offset_of!(GridConstants, height));

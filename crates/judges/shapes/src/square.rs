@@ -5,11 +5,11 @@
 //! The square's diagonals from middle to middle of its sides are edges of the octahedron, so the cut of a cell there
 //! matters.
 
-use super::super::distance::{Distances, PLACES};
-use super::super::mesh::{Cut, Mesh};
-use super::rabbit;
-use super::sphere::Sphere;
-use super::tetrahedra;
+use crate::distance::{Distances, PLACES};
+use crate::mesh::{Cut, Mesh};
+use crate::rabbit;
+use crate::sphere::Sphere;
+use crate::tetrahedra;
 use glam::{DVec2, DVec3};
 
 /// A side of the cubes that the mesh is made in, metres.
@@ -20,7 +20,7 @@ const AROUND: i64 = 2;
 terrafill_results::named! {
     /// How cells are cut.
     #[derive(PartialOrd, Ord)]
-    pub(crate) enum CellCut {
+    pub enum CellCut {
         /// From (x + 1, y) to (x, y + 1) everywhere, as a strip of the published order cuts.
         Published = "published",
         /// Along the fold of the octahedron in every quarter.
@@ -30,7 +30,7 @@ terrafill_results::named! {
 
 impl CellCut {
     /// - `cells`: a side of the image
-    pub(crate) fn of(self, cells: u32, column: u32, row: u32) -> Cut {
+    pub fn of(self, cells: u32, column: u32, row: u32) -> Cut {
         let folds_that_way = (column < cells / 2) == (row < cells / 2);
         if self == Self::Published || folds_that_way {
             Cut::Published
@@ -42,7 +42,7 @@ impl CellCut {
 
 /// How places are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Stored {
+pub enum Stored {
     /// As 32-bit floats.
     Float,
     /// As whole numbers of so many bits over the box of the shape, read as 32-bit floats.
@@ -50,7 +50,9 @@ pub(crate) enum Stored {
 }
 
 impl Stored {
-    pub(crate) fn name(self) -> String {
+    /// As a condition says it.
+    #[must_use]
+    pub fn name(self) -> String {
         match self {
             Self::Float => "f32".to_owned(),
             Self::Bits(bits) => format!("{bits} bits"),
@@ -72,7 +74,7 @@ impl Stored {
 }
 
 /// The irregular mesh that images are made of, on its sphere.
-pub(crate) fn sphere() -> Sphere {
+pub fn sphere() -> Sphere {
     let field = |place| rabbit::field(place).0;
     let mesh = tetrahedra::mesh(rabbit::BOX, STEP_M, field, rabbit::onto);
     Sphere::new(mesh, rabbit::direction)
@@ -104,7 +106,7 @@ fn place_of(direction: DVec3) -> DVec2 {
 /// Places of an image, metres, row by row, as a device gets them: those of the mesh, moved onto the surface.
 ///
 /// - `cells`: a side of the image, one less than texels
-pub(crate) fn image(sphere: &Sphere, cells: u32, stored: Stored) -> Vec<DVec3> {
+pub fn image(sphere: &Sphere, cells: u32, stored: Stored) -> Vec<DVec3> {
     let at = |index: u32| 2.0 * f64::from(index) / f64::from(cells) - 1.0;
     let all = (0..=cells).flat_map(|row| (0..=cells).map(move |column| (column, row)));
     let place = |(column, row)| {
@@ -117,7 +119,7 @@ pub(crate) fn image(sphere: &Sphere, cells: u32, stored: Stored) -> Vec<DVec3> {
 }
 
 /// The surface as triangles of an image cut along its folds.
-pub(crate) fn rabbit_mesh(cells: u32) -> Mesh {
+pub fn rabbit_mesh(cells: u32) -> Mesh {
     let places = image(&sphere(), cells, Stored::Float);
     Mesh::new(places, cells, |column, row| {
         CellCut::Fold.of(cells, column, row)
@@ -125,7 +127,7 @@ pub(crate) fn rabbit_mesh(cells: u32) -> Mesh {
 }
 
 /// Texels of the sides that are not where the one is that they are folded onto: cracks.
-pub(crate) fn open_texels(places: &[DVec3], cells: u32) -> usize {
+pub fn open_texels(places: &[DVec3], cells: u32) -> usize {
     let (last, side) = (cells as usize, cells as usize + 1);
     let at = |column: usize, row: usize| places[row * side + column];
     let is_open = |index: usize, edge: usize| {
@@ -141,7 +143,7 @@ pub(crate) fn open_texels(places: &[DVec3], cells: u32) -> usize {
 
 /// How far triangles and surface are apart, both ways: places of each triangle from the surface, and vertices of the
 /// irregular mesh, which lie on the surface, from the triangles near their direction.
-pub(crate) fn distances(mesh: &Mesh, cells: u32, sphere: &Sphere) -> Distances {
+pub fn distances(mesh: &Mesh, cells: u32, sphere: &Sphere) -> Distances {
     let view = rabbit::rabbit_view();
     let mut distances = Distances::default();
     for index in 0..mesh.triangles.len() {

@@ -27,14 +27,16 @@ const DENTS: [([f64; 3], f64, [f64; 3]); 12] = [
 /// Twin of `Dent` in `shared/dents.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Dent {
+pub struct Dent {
     middle: [f32; 3],
     radius: f32,
     push: [f32; 3],
     padding: f32,
 }
 
-pub(crate) fn dents() -> Vec<Dent> {
+/// The knocks that the model gets.
+#[must_use]
+pub fn dents() -> Vec<Dent> {
     let dent = |(middle, radius, push): ([f64; 3], f64, [f64; 3])| Dent {
         middle: middle.map(nearest),
         radius: nearest(radius),
@@ -45,7 +47,7 @@ pub(crate) fn dents() -> Vec<Dent> {
 }
 
 /// Twin of `deformed` in `shared/dents.wgsl`.
-pub(crate) fn deformed(place: DVec3, dents: &[Dent]) -> DVec3 {
+pub fn deformed(place: DVec3, dents: &[Dent]) -> DVec3 {
     let pushes = dents.iter().map(|dent| {
         let [middle, push] = [dent.middle, dent.push].map(|of| Vec3::from(of).as_dvec3());
         let away = (place - middle) / f64::from(dent.radius);
@@ -58,7 +60,6 @@ pub(crate) fn deformed(place: DVec3, dents: &[Dent]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
@@ -79,10 +80,16 @@ mod tests {
     #[test]
     fn dents_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/deform.wgsl", "Dent").expect("a struct");
-        assert_eq!(offset(&layout, "middle"), offset_of!(Dent, middle));
-        assert_eq!(offset(&layout, "push"), offset_of!(Dent, push));
+        assert_eq!(
+            layout.offset("middle").expect("middle"),
+            offset_of!(Dent, middle)
+        );
+        assert_eq!(layout.offset("push").expect("push"), offset_of!(Dent, push));
         assert_eq!(layout.stride as usize, size_of::<Dent>());
         // Negative control.
-        assert_ne!(offset(&layout, "push"), offset_of!(Dent, radius));
+        assert_ne!(
+            layout.offset("push").expect("push"),
+            offset_of!(Dent, radius)
+        );
     }
 }

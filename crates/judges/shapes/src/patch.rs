@@ -11,7 +11,7 @@ const DAMPING: f64 = 1e-9;
 
 /// Twin of `on_patch` in `shared/bezier.wgsl`: 16 control points, metres, row by row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Patch(pub(crate) [[DVec3; 4]; 4]);
+pub struct Patch(pub [[DVec3; 4]; 4]);
 
 /// Bernstein's weights at `t`.
 fn weights(t: f64) -> [f64; 4] {
@@ -37,7 +37,7 @@ fn slopes(t: f64) -> [f64; 4] {
 
 impl Patch {
     /// Control points as a device reads them.
-    pub(crate) fn rounded(&self) -> Self {
+    pub fn rounded(&self) -> Self {
         Self(
             self.0
                 .map(|row| row.map(|point| point.as_vec3().as_dvec3())),
@@ -45,7 +45,7 @@ impl Patch {
     }
 
     /// The same points, four numbers each.
-    pub(crate) fn sent(&self) -> impl Iterator<Item = [f32; 4]> {
+    pub fn sent(&self) -> impl Iterator<Item = [f32; 4]> {
         let points = self.0.into_iter().flatten();
         points.map(|point| {
             let [x, y, z] = point.to_array().map(nearest);
@@ -61,18 +61,18 @@ impl Patch {
     /// A place of it, metres.
     ///
     /// - `at`: across and down, from 0 to 1
-    pub(crate) fn place(&self, at: DVec2) -> DVec3 {
+    pub fn place(&self, at: DVec2) -> DVec3 {
         self.sum(weights(at.x), weights(at.y))
     }
 
     /// Changes of a place along either way.
-    pub(crate) fn slopes(&self, at: DVec2) -> [DVec3; 2] {
+    pub fn slopes(&self, at: DVec2) -> [DVec3; 2] {
         let (across, down) = (weights(at.x), weights(at.y));
         [self.sum(slopes(at.x), down), self.sum(across, slopes(at.y))]
     }
 
     /// Distance of a place from the patch near `at`, metres: never less than the true one.
-    pub(crate) fn distance(&self, place: DVec3, mut at: DVec2) -> f64 {
+    pub fn distance(&self, place: DVec3, mut at: DVec2) -> f64 {
         let mut least = (self.place(at) - place).length();
         for _ in 0..STEPS {
             let gap = place - self.place(at);

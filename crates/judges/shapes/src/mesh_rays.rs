@@ -5,8 +5,8 @@
 //! triangle than its ray meets, if that triangle has a border within [`BAND_PX`] and nothing hides it there. Every
 //! other difference is an error.
 
-use super::mesh::Mesh;
 use crate::grid::GridCamera;
+use crate::mesh::Mesh;
 use crate::rays::{
     BAND_PX, EQUAL_DEPTH, Judged, around, centres, distance_to_triangle, judge_points,
 };
@@ -27,7 +27,7 @@ struct Hit {
 }
 
 /// A mesh and its view, for rays.
-pub(crate) struct MeshRays<'a> {
+pub struct MeshRays<'a> {
     mesh: &'a Mesh,
     view: GridCamera,
     size: [u32; 2],
@@ -39,7 +39,7 @@ pub(crate) struct MeshRays<'a> {
 
 impl<'a> MeshRays<'a> {
     /// - `side`: of the square picture, pixels
-    pub(crate) fn new(mesh: &'a Mesh, view: GridCamera, side: u32) -> Self {
+    pub fn new(mesh: &'a Mesh, view: GridCamera, side: u32) -> Self {
         let size = [side; 2];
         let project = |place: &DVec3| view.project(*place, size);
         let mut rays = Self {
@@ -96,7 +96,7 @@ impl<'a> MeshRays<'a> {
     }
 
     /// Numbers at the middles of all pixels, 0 for none.
-    pub(crate) fn picture(&self) -> Vec<u32> {
+    pub fn picture(&self) -> Vec<u32> {
         let at = |at| self.meet(at).map_or(0, |hit| hit.number);
         centres(self.size).map(at).collect()
     }
@@ -104,7 +104,7 @@ impl<'a> MeshRays<'a> {
     /// Holds a picture of triangles' numbers against the rays.
     ///
     /// - `truth`: [`MeshRays::picture`]
-    pub(crate) fn judge(&self, numbers: &[u32], truth: &[u32]) -> Judged {
+    pub fn judge(&self, numbers: &[u32], truth: &[u32]) -> Judged {
         let mut judged = Judged::default();
         let pixels = centres(self.size).zip(numbers.iter().zip(truth));
         for (at, (&shown, &met)) in pixels {
@@ -116,7 +116,7 @@ impl<'a> MeshRays<'a> {
     }
 
     /// Holds a picture of vertices' numbers against their projections.
-    pub(crate) fn judge_points(&self, numbers: &[u32]) -> Judged {
+    pub fn judge_points(&self, numbers: &[u32]) -> Judged {
         judge_points(numbers, self.size, &self.places)
     }
 
@@ -153,11 +153,7 @@ fn cell_of(number: u32) -> u32 {
 /// is, is the driver's choice.
 ///
 /// - `truths`: [`MeshRays::picture`] of either
-pub(crate) fn judge_cells(
-    cuts: [&MeshRays<'_>; 2],
-    numbers: &[u32],
-    truths: [&[u32]; 2],
-) -> Judged {
+pub fn judge_cells(cuts: [&MeshRays<'_>; 2], numbers: &[u32], truths: [&[u32]; 2]) -> Judged {
     let mut judged = Judged::default();
     for (pixel, at) in centres(cuts[0].size).enumerate() {
         let shown = cell_of(numbers[pixel]);
@@ -193,8 +189,8 @@ fn meet(eye: DVec3, along: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::Cut;
     use super::*;
+    use crate::mesh::Cut;
 
     /// A square of 2 m of 4 × 4 cells, straight in front of the eye.
     fn square(cut: Cut) -> (Mesh, GridCamera) {

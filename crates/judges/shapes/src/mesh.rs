@@ -7,7 +7,7 @@ use glam::{DVec3, DVec4};
 
 /// How the cells of a mesh are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cut {
+pub enum Cut {
     /// From corner (1, 0) to (0, 1), as published.
     Published,
     /// From corner (0, 0) to (1, 1).
@@ -17,16 +17,16 @@ pub(crate) enum Cut {
 /// Triangles, numbered from 1 on: square by square, cell by cell in rows, the half at the cell's first corner before
 /// the other.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Mesh {
+pub struct Mesh {
     /// Metres: square by square, (cells + 1)² each, row by row.
-    pub(crate) vertices: Vec<DVec3>,
+    pub vertices: Vec<DVec3>,
     /// Corners by their index, those of a cell's first half before the second's.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
     /// - `cut`: of the cell at (column, row)
-    pub(crate) fn new(vertices: Vec<DVec3>, cells: u32, cut: impl Fn(u32, u32) -> Cut) -> Self {
+    pub fn new(vertices: Vec<DVec3>, cells: u32, cut: impl Fn(u32, u32) -> Cut) -> Self {
         let side = cells + 1;
         let squares = u32::try_from(vertices.len()).unwrap_or(u32::MAX) / (side * side);
         let all = (0..squares).flat_map(|square| {
@@ -48,12 +48,12 @@ impl Mesh {
     }
 
     /// Of a triangle's index, metres.
-    pub(crate) fn corners(&self, index: usize) -> [DVec3; 3] {
+    pub fn corners(&self, index: usize) -> [DVec3; 3] {
         self.triangles[index].map(|corner| self.vertices[corner as usize])
     }
 
     /// How much light from above the eye falls on a triangle, 0 to 1, either side of it.
-    pub(crate) fn light(&self, index: usize, view: &GridCamera) -> f64 {
+    pub fn light(&self, index: usize, view: &GridCamera) -> f64 {
         let [a, b, c] = self.corners(index);
         let toward = (2.0 * view.up - view.forward - view.right).normalize();
         let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -66,7 +66,7 @@ impl Mesh {
 /// Twin of `MeshConstants` in `shared/mesh.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct MeshConstants {
+pub struct MeshConstants {
     x: [f32; 4],
     y: [f32; 4],
     z: [f32; 4],
@@ -77,7 +77,9 @@ pub(crate) struct MeshConstants {
 }
 
 impl MeshConstants {
-    pub(crate) fn new(view: &GridCamera, cells: u32) -> Self {
+    /// Of a view and of squares with so many cells a side.
+    #[must_use]
+    pub fn new(view: &GridCamera, cells: u32) -> Self {
         let clip = view.clip_from_world();
         let column = |of: DVec4| of.as_vec4().to_array();
         Self {
@@ -92,7 +94,7 @@ impl MeshConstants {
     }
 
     /// Of a geometry image: whether its cells are cut along its folds.
-    pub(crate) fn folded(self, is_folded: bool) -> Self {
+    pub fn folded(self, is_folded: bool) -> Self {
         Self {
             is_folded: u32::from(is_folded),
             ..self
@@ -103,14 +105,13 @@ impl MeshConstants {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tested::offset;
     use std::mem::offset_of;
     use terrafill_shaders::struct_layout;
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {
         let layout = struct_layout("pipelines/bezier.wgsl", "MeshConstants").expect("a struct");
-        let offset = |name: &str| offset(&layout, name);
+        let offset = |name: &str| layout.offset(name).expect(name);
         assert_eq!(offset("x"), offset_of!(MeshConstants, x));
         assert_eq!(offset("y"), offset_of!(MeshConstants, y));
         assert_eq!(offset("z"), offset_of!(MeshConstants, z));

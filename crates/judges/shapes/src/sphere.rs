@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Directions of an irregular mesh's vertices: where each triangle lies on a sphere, and which one holds a direction.
 
-use super::tetrahedra::IrregularMesh;
+use crate::tetrahedra::IrregularMesh;
 use glam::DVec3;
 
 /// Boxes of directions a side, whose triangles are listed.
@@ -12,17 +12,18 @@ const BULGE: f64 = 0.3;
 const ROUNDS: usize = 200;
 
 /// A mesh on a sphere.
-pub(crate) struct Sphere {
-    pub(crate) mesh: IrregularMesh,
+pub struct Sphere {
+    /// The surface whose vertices lie on it.
+    pub mesh: IrregularMesh,
     /// Of each vertex, length 1.
-    pub(crate) directions: Vec<DVec3>,
+    pub directions: Vec<DVec3>,
     /// Triangles by the box of directions that they may lie in.
     boxes: Vec<Vec<u32>>,
 }
 
 impl Sphere {
     /// - `direction`: of a place of the surface
-    pub(crate) fn new(mesh: IrregularMesh, direction: impl Fn(DVec3) -> DVec3) -> Self {
+    pub fn new(mesh: IrregularMesh, direction: impl Fn(DVec3) -> DVec3) -> Self {
         let directions = mesh.vertices.iter().copied().map(direction).collect();
         let mut sphere = Self {
             mesh,
@@ -51,7 +52,7 @@ impl Sphere {
     }
 
     /// Triangles that lie the wrong way round on the sphere.
-    pub(crate) fn turned(&self) -> usize {
+    pub fn turned(&self) -> usize {
         let all = self.mesh.triangles.iter();
         all.filter(|triangle| volume(self.corners(**triangle)) <= 0.0)
             .count()
@@ -83,7 +84,7 @@ impl Sphere {
     }
 
     /// Where a direction meets the mesh: a place of one of its triangles, metres.
-    pub(crate) fn place(&self, direction: DVec3) -> DVec3 {
+    pub fn place(&self, direction: DVec3) -> DVec3 {
         let [x, y, z] = place_of(direction);
         let listed = &self.boxes[(z * BOXES + y) * BOXES + x];
         let weighed = listed.iter().map(|&index| {

@@ -6,17 +6,15 @@
 //! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
 //! a border may show either side. Every other difference is an error.
 
-use crate::draws::Counted;
 use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
 use terrafill_scene::ImageSize;
-use terrafill_study::Figures;
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
-pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
+pub const BAND_PX: f64 = 1.0 / 32.0;
 /// Depths of points closer than this share are equal to `f32`: 2⁻²⁴ for the depth, a few times as much
 /// for the sums behind it.
-pub(crate) const EQUAL_DEPTH: f64 = 1e-6;
+pub const EQUAL_DEPTH: f64 = 1e-6;
 
 /// Bits of a number that a picture holds.
 const SHOWN: u32 = 0xff_ffff;
@@ -33,45 +31,23 @@ enum Cut {
 
 /// What a picture shows that it should not.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Judged {
+pub struct Judged {
     /// Pixels that show another triangle or point than they may.
-    pub(crate) mismatched: usize,
+    pub mismatched: usize,
     /// Pixels that differ from the centre's ray, within the band along a border.
-    pub(crate) in_band: usize,
+    pub in_band: usize,
     /// Pixels that show the grid.
-    pub(crate) shown: usize,
+    pub shown: usize,
     /// Of each pixel, whether it is among the mismatched.
-    pub(crate) wrong: Vec<bool>,
+    pub wrong: Vec<bool>,
 }
 
 impl Judged {
-    /// What is counted of every picture.
-    pub(crate) fn figures(&self) -> Figures {
-        vec![
-            ("pipeline_mismatched_px", self.mismatched as f64),
-            ("pipeline_band_px", self.in_band as f64),
-            ("pipeline_shown_px", self.shown as f64),
-        ]
-    }
-
-    /// What is wrong with it; nothing of what is right.
+    /// Counts a pixel.
     ///
-    /// - `expected`: primitives that reach clipping
-    pub(crate) fn reason(&self, counted: &Counted, expected: u64) -> String {
-        match counted.primitives {
-            _ if self.mismatched > 0 => {
-                let pixels = self.mismatched;
-                format!("{pixels} pixels show what the reference does not allow")
-            }
-            _ if self.shown == 0 => "it shows nothing".to_owned(),
-            Some(found) if found != expected => {
-                format!("{found} primitives reached clipping, expected {expected}")
-            }
-            _ => String::new(),
-        }
-    }
-
-    pub(crate) fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
+    /// - `shown`, `truth`: number that the picture has and number that the ray meets; 0 is the sky
+    /// - `may`: whether the picture may show it all the same
+    pub fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
         self.shown += usize::from(shown != 0);
         let differs = shown != truth;
         let is_wrong = differs && !may();
@@ -82,7 +58,7 @@ impl Judged {
 }
 
 /// A grid and its view, for rays.
-pub(crate) struct Rays<'a> {
+pub struct Rays<'a> {
     grid: &'a Grid,
     view: GridCamera,
     /// Pixels, across and down.
@@ -102,7 +78,9 @@ struct Hit {
 }
 
 impl<'a> Rays<'a> {
-    pub(crate) fn new(grid: &'a Grid, view: GridCamera, size: ImageSize) -> Self {
+    /// Rays over a grid that is seen so.
+    #[must_use]
+    pub fn new(grid: &'a Grid, view: GridCamera, size: ImageSize) -> Self {
         let heights = grid.heights.iter().copied().map(f64::from);
         Self {
             grid,
@@ -119,14 +97,15 @@ impl<'a> Rays<'a> {
     }
 
     /// Numbers of triangles at the centres of every so many pixels, 0 for none, each behind its pixel's number.
-    pub(crate) fn picture(&self, every: usize) -> Vec<(usize, u32)> {
+    pub fn picture(&self, every: usize) -> Vec<(usize, u32)> {
         let centres = self.centres().enumerate().step_by(every);
         centres
             .map(|(pixel, at)| (pixel, self.meet(at).map_or(0, |hit| hit.number)))
             .collect()
     }
 
-    pub(crate) fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
+    /// Middles of all pixels, row by row.
+    pub fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
         centres(self.size)
     }
 
@@ -141,18 +120,18 @@ impl<'a> Rays<'a> {
     }
 
     /// Where that is, metres.
-    pub(crate) fn place(&self, at_px: DVec2) -> Option<DVec3> {
+    pub fn place(&self, at_px: DVec2) -> Option<DVec3> {
         let hit = self.meet(at_px)?;
         Some(self.view.eye + self.direction(at_px) * hit.away_m)
     }
 
     /// How many times its direction long a ray is to the ground.
-    pub(crate) fn reach(&self, from: DVec3, along: DVec3) -> Option<f64> {
+    pub fn reach(&self, from: DVec3, along: DVec3) -> Option<f64> {
         Some(self.follow(from, along)?.away_m)
     }
 
     /// Whether a ray meets the ground.
-    pub(crate) fn hits(&self, from: DVec3, along: DVec3) -> bool {
+    pub fn hits(&self, from: DVec3, along: DVec3) -> bool {
         self.follow(from, along).is_some()
     }
 
@@ -282,7 +261,7 @@ impl<'a> Rays<'a> {
     /// Holds a picture of triangles' numbers against the rays. Of numbers, what a picture holds is compared.
     ///
     /// - `truth`: [`Rays::picture`]
-    pub(crate) fn judge_triangles(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
+    pub fn judge_triangles(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
         let mut judged = Judged::default();
         for &(pixel, met) in truth {
             let [width, _] = self.size.map(|size| size as usize);
@@ -329,7 +308,7 @@ impl<'a> Rays<'a> {
 
     /// Holds a picture of points' numbers against their projections: a point covers the pixel that it
     /// lies in.
-    pub(crate) fn judge_points(&self, numbers: &[u32]) -> Judged {
+    pub fn judge_points(&self, numbers: &[u32]) -> Judged {
         let cells = self.grid.cells;
         let all = (0..cells).flat_map(|row| (0..cells).map(move |column| (column, row)));
         let places: Vec<(DVec2, f64)> =
@@ -341,7 +320,7 @@ impl<'a> Rays<'a> {
 /// Holds a picture of points' numbers against their projections.
 ///
 /// - `places`: on the picture, pixels, and away from the eye, of the points 1, 2 …
-pub(crate) fn judge_points(numbers: &[u32], size: [u32; 2], places: &[(DVec2, f64)]) -> Judged {
+pub fn judge_points(numbers: &[u32], size: [u32; 2], places: &[(DVec2, f64)]) -> Judged {
     // Nearest point that is in each pixel whatever the rounding, and nearest by its place alone.
     let mut sure = vec![f64::INFINITY; numbers.len()];
     let mut plain = vec![(0, f64::INFINITY); numbers.len()];
@@ -371,7 +350,7 @@ pub(crate) fn judge_points(numbers: &[u32], size: [u32; 2], places: &[(DVec2, f6
 }
 
 /// Middles of a picture's pixels, row by row.
-pub(crate) fn centres([width, height]: [u32; 2]) -> impl Iterator<Item = DVec2> {
+pub fn centres([width, height]: [u32; 2]) -> impl Iterator<Item = DVec2> {
     let rows = 0..height;
     rows.flat_map(move |y| {
         (0..width).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
@@ -379,7 +358,7 @@ pub(crate) fn centres([width, height]: [u32; 2]) -> impl Iterator<Item = DVec2> 
 }
 
 /// A place and its eight neighbours so far away.
-pub(crate) fn around(distance: f64) -> impl Iterator<Item = DVec2> {
+pub fn around(distance: f64) -> impl Iterator<Item = DVec2> {
     let steps = [-distance, 0.0, distance];
     steps
         .into_iter()
@@ -387,7 +366,7 @@ pub(crate) fn around(distance: f64) -> impl Iterator<Item = DVec2> {
 }
 
 /// The same, or the place alone where there is no distance.
-pub(crate) fn within(distance: f64) -> impl Iterator<Item = DVec2> {
+pub fn within(distance: f64) -> impl Iterator<Item = DVec2> {
     let alone = (distance <= 0.0).then_some(DVec2::ZERO);
     let all = around(distance).filter(move |_| alone.is_none());
     alone.into_iter().chain(all)
@@ -409,7 +388,7 @@ fn is_near_pixel(at: DVec2, pixel: usize, width: u32) -> bool {
 }
 
 /// 0 inside.
-pub(crate) fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
+pub fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let sides = [(a, b), (b, c), (c, a)];
     let turns = sides.map(|(from, to)| (to - from).perp_dot(at - from));
