@@ -56,17 +56,16 @@ fn check_with(folder: &Path, tools: Tools<'_>) -> Result<String> {
             }
         }
     };
-    let validated = match version(tools.validator)? {
-        None => format!("{}: not installed, not run", tools.validator),
-        Some(_) => {
-            for output in outputs() {
-                let (_, target) = output.stage.compiled_for();
-                run(Command::new(tools.validator)
-                    .args(["--target-env", target])
-                    .arg(folder.join(output.spirv)))?;
-            }
-            format!("{}: clean", tools.validator)
+    let validated = if version(tools.validator)?.is_none() {
+        format!("{}: not installed, not run", tools.validator)
+    } else {
+        for output in outputs() {
+            let (_, target) = output.stage.compiled_for();
+            run(Command::new(tools.validator)
+                .args(["--target-env", target])
+                .arg(folder.join(output.spirv)))?;
         }
+        format!("{}: clean", tools.validator)
     };
     Ok(format!(
         "{} geometry shaders, {} SPIR-V files: {compiled}; {validated}",

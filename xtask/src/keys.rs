@@ -181,7 +181,7 @@ fn line(before: &[char]) -> usize {
 
 /// Calls `say` with every literal outside of comments and tests.
 fn each_literal(text: &str, mut say: impl FnMut(Literal<'_>)) {
-    let code: String = without_tests(&without_comments(text));
+    let code = without_tests(&without_comments(text));
     // As long as `text`, character by character.
     let (source, marks): (Vec<char>, Vec<char>) = (text.chars().collect(), code.chars().collect());
     let code: String = marks.iter().collect();

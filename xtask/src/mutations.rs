@@ -279,20 +279,19 @@ fn judge(mutation: &Mutation, code: Option<i32>, report: &Value) -> Result<Row> 
         finding["severity"] == "worse" && text(finding, "metric") == mutation.counter
     };
     let found: Vec<&Value> = findings.iter().filter(is_counted).collect();
-    let words = match found.first() {
-        Some(first) => format!(
+    let words = if let Some(first) = found.first() {
+        format!(
             "exit {}, {} cases, {} → {}",
             code.unwrap_or(-1),
             found.len(),
             text(first, "from"),
             text(first, "to")
-        ),
-        None => {
-            let mut others: Vec<String> = findings.iter().map(|f| text(f, "metric")).collect();
-            others.sort();
-            others.dedup();
-            format!("exit {}, names {}", code.unwrap_or(-1), others.join(", "))
-        }
+        )
+    } else {
+        let mut others: Vec<String> = findings.iter().map(|f| text(f, "metric")).collect();
+        others.sort();
+        others.dedup();
+        format!("exit {}, names {}", code.unwrap_or(-1), others.join(", "))
     };
     Ok(Row {
         is_caught: code == Some(1) && !found.is_empty(),

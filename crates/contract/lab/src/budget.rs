@@ -201,7 +201,7 @@ fn line(
     };
     let is_tie = |own: &&&Priced<'_>| timings.is_tie(own.sum_ms / fastest.sum_ms);
     let ties = within[1..].iter().filter(is_tie).copied();
-    let tied: Vec<&Priced<'_>> = [*fastest].into_iter().chain(ties).collect();
+    let tied: Vec<&Priced<'_>> = std::iter::once(*fastest).chain(ties).collect();
     let bytes = |own: &Priced<'_>| own.of.bytes.unwrap_or(f64::INFINITY);
     // Of several the first is the fastest.
     let by_bytes = |a: &&&Priced<'_>, b: &&&Priced<'_>| bytes(a).total_cmp(&bytes(b));

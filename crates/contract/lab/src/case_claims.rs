@@ -450,8 +450,7 @@ impl<'a> Evidence<'_, 'a> {
             let standing = Bound::Between(of.between).standing(exponent.interval);
             let text = format!("exponent {}", figure(&exponent));
             let open = open_view(&name, &cases, metric);
-            [(named(&name, text), standing)]
-                .into_iter()
+            std::iter::once((named(&name, text), standing))
                 .chain(open)
                 .collect()
         });

@@ -61,7 +61,7 @@ pub trait Tested {
 }
 
 /// A claim, tested by `T`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct Claimed<T> {
     /// To the letter.

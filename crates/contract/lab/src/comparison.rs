@@ -212,7 +212,7 @@ impl Comparison<'_> {
         Finding {
             claim,
             standing,
-            because: sentences([figures.join("; ")].into_iter().chain(because)),
+            because: sentences(std::iter::once(figures.join("; ")).chain(because)),
         }
     }
 

@@ -79,7 +79,9 @@ pub fn full_command(environment: &RunEnvironment, study: &str) -> String {
     let sizes = environment.options.iter();
     let sizes = sizes.filter(|line| line.starts_with("size=")).cloned();
     let full = RunEnvironment {
-        options: ["depth=full".to_owned()].into_iter().chain(sizes).collect(),
+        options: std::iter::once("depth=full".to_owned())
+            .chain(sizes)
+            .collect(),
         ..RunEnvironment::default()
     };
     bench_command(&full, study, "", MIN_REPLICATES)

@@ -197,25 +197,22 @@ impl<'a> ViewVolume<'a> {
             heights,
         };
         let mut corners = Vec::new();
-        let pieces: Vec<Piece> = match parts {
-            Some(parts) => {
-                let on_view = |at: DVec3| placing.to_view(at);
-                let piece = |(caps, walls, around): (_, _, OrientedBox)| Piece {
-                    caps,
-                    walls,
-                    around: ViewBox::around(around.corners_ecef().map(on_view)),
-                };
-                parts.boxes(heights).map(piece).collect()
-            }
-            None => {
-                let places = mesh.vertices_ecef.iter();
-                corners.extend(places.map(|vertex| placing.corners(*vertex)));
-                vec![Piece {
-                    caps: 0..index_u32(mesh.triangles.len()),
-                    walls: 0..index_u32(mesh.boundary_edge_count()),
-                    around: ViewBox::around(corners.iter().copied().flatten()),
-                }]
-            }
+        let pieces: Vec<Piece> = if let Some(parts) = parts {
+            let on_view = |at: DVec3| placing.to_view(at);
+            let piece = |(caps, walls, around): (_, _, OrientedBox)| Piece {
+                caps,
+                walls,
+                around: ViewBox::around(around.corners_ecef().map(on_view)),
+            };
+            parts.boxes(heights).map(piece).collect()
+        } else {
+            let places = mesh.vertices_ecef.iter();
+            corners.extend(places.map(|vertex| placing.corners(*vertex)));
+            vec![Piece {
+                caps: 0..index_u32(mesh.triangles.len()),
+                walls: 0..index_u32(mesh.boundary_edge_count()),
+                around: ViewBox::around(corners.iter().copied().flatten()),
+            }]
         };
         let around = ViewBox::around(
             pieces

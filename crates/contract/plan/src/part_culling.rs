@@ -27,18 +27,14 @@ impl FramePlan {
             let look = |corners: &[DVec3; 8]| planner.look_at_part(corners, counts_in_front);
             let (seen, rect) = parts.seen(planned.heights, look);
             let rect = rect.map(|rect| rect.within(planned.screen_rect));
-            match rect.filter(|rect| rect.width() > 0 && rect.height() > 0) {
-                Some(rect) => {
-                    planned.screen_rect = rect;
-                    self.regions.push(planned);
-                    self.seen_parts.insert(planned.mesh, seen);
-                }
-                // A pixel that shows the region shows one of its facets' parts.
-                None => {
-                    let last = seen.left_out.into_keys().next_back();
-                    let reason = last.unwrap_or(LeftOutReason::OutsideFrustum);
-                    self.place(planned.region, Err(reason));
-                }
+            if let Some(rect) = rect.filter(|rect| rect.width() > 0 && rect.height() > 0) {
+                planned.screen_rect = rect;
+                self.regions.push(planned);
+                self.seen_parts.insert(planned.mesh, seen);
+            } else {
+                let last = seen.left_out.into_keys().next_back();
+                let reason = last.unwrap_or(LeftOutReason::OutsideFrustum);
+                self.place(planned.region, Err(reason));
             }
         }
         self.left_out.sort_by_key(|region| region.mesh);

@@ -259,7 +259,7 @@ fn push(ranges: &mut Vec<Range<u32>>, range: &Range<u32>) {
 }
 
 /// What a view sees of a mesh of several parts.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SeenParts {
     /// Facets of each cap, in the order of [`PartOrder::triangles`].
     pub caps: Vec<Range<u32>>,

@@ -221,12 +221,11 @@ impl Folders<'_> {
             return vec![file.into()];
         }
         let beside = self.scene.map(|folder| folder.join(file));
-        match beside.filter(|path| path.exists() || self.data.is_none()) {
-            Some(beside) => vec![beside],
-            None => {
-                let folders = self.data.map(split_data_dirs).into_iter().flatten();
-                folders.map(|folder| folder.join(file)).collect()
-            }
+        if let Some(beside) = beside.filter(|path| path.exists() || self.data.is_none()) {
+            vec![beside]
+        } else {
+            let folders = self.data.map(split_data_dirs).into_iter().flatten();
+            folders.map(|folder| folder.join(file)).collect()
         }
     }
 }

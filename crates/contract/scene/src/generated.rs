@@ -29,7 +29,7 @@ pub struct Nested {
 }
 
 impl Nested {
-    /// The discs, outermost first, as a GeoJSON FeatureCollection.
+    /// The discs, outermost first, as a GeoJSON `FeatureCollection`.
     #[must_use]
     pub fn geojson(&self) -> String {
         let centre = Centre::new(self.longitude_deg, self.latitude_deg);
@@ -82,7 +82,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// The cells, row by row, as a GeoJSON FeatureCollection.
+    /// The cells, row by row, as a GeoJSON `FeatureCollection`.
     #[must_use]
     pub fn geojson(&self) -> String {
         let east = |column: u32| {
@@ -122,7 +122,7 @@ pub struct Coast {
 }
 
 impl Coast {
-    /// The region as a GeoJSON FeatureCollection.
+    /// The region as a GeoJSON `FeatureCollection`.
     #[must_use]
     pub fn geojson(&self) -> String {
         let mut random = SplitMix64(self.seed);
@@ -134,7 +134,7 @@ impl Coast {
     }
 }
 
-/// A GeoJSON FeatureCollection being written.
+/// A GeoJSON `FeatureCollection` being written.
 #[derive(Default)]
 struct Collection {
     features: String,

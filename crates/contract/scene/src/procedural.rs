@@ -53,7 +53,7 @@ pub struct Islands {
 }
 
 impl Islands {
-    /// The islands as a GeoJSON FeatureCollection, coordinates rounded to 1e-7 degrees (1 cm).
+    /// The islands as a GeoJSON `FeatureCollection`, coordinates rounded to 1e-7 degrees (1 cm).
     ///
     /// Shells wind counter-clockwise, lakes clockwise (RFC 7946 §3.1.6). A ring over the
     /// antimeridian goes on past ±180.

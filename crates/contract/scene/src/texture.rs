@@ -112,7 +112,7 @@ pub struct TextureAnchor {
 }
 
 /// A picture at every size from its own down to one texel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MipChain {
     levels: Vec<MipLevel>,
 }

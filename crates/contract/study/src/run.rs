@@ -151,15 +151,14 @@ fn run_groups(
             session: &mut *session,
         };
         let ready = running.verify(&todo, &mut steps)?;
-        match turns.as_deref_mut() {
-            Some(turns) => running.measure_by_turns(ready, turns)?,
-            None => {
-                if !ready.is_empty() && settling.max_looks > 0 {
-                    running.settle(&ready, settling.max_looks)?;
-                    settling.max_looks *= u32::from(settling.each_group);
-                }
-                running.measure(ready, &mut steps)?;
+        if let Some(turns) = turns.as_deref_mut() {
+            running.measure_by_turns(ready, turns)?;
+        } else {
+            if !ready.is_empty() && settling.max_looks > 0 {
+                running.settle(&ready, settling.max_looks)?;
+                settling.max_looks *= u32::from(settling.each_group);
             }
+            running.measure(ready, &mut steps)?;
         }
         steps.measured(group);
     }

@@ -70,20 +70,19 @@ impl Loaded {
         let accumulates = work.program.accumulates();
         let numbers = accumulates.then(|| numbers.unwrap_or_else(new_numbers));
         let has_room = |buffer: &wgpu::Buffer| buffer.size() >= work.constants.len() as u64;
-        let (constants, bind_group) = match held.filter(|(buffer, ..)| has_room(buffer)) {
-            Some((buffer, written, bind_group)) => {
-                gpu.write_changed(&buffer, &written, &work.constants);
-                (buffer, bind_group)
-            }
-            None => {
-                let usage = wgpu::BufferUsages::STORAGE;
-                let buffer = gpu.upload("volume constants", &work.constants, usage)?;
-                // Footprints lie behind the volumes' constants.
-                let buffers = [targets.view_constants(), &buffer, &buffer];
-                let label = "view and volumes";
-                let bind_group = gpu.bind_buffers(label, on.frame_layout, &buffers);
-                (buffer, bind_group)
-            }
+        let (constants, bind_group) = if let Some((buffer, written, bind_group)) =
+            held.filter(|(buffer, ..)| has_room(buffer))
+        {
+            gpu.write_changed(&buffer, &written, &work.constants);
+            (buffer, bind_group)
+        } else {
+            let usage = wgpu::BufferUsages::STORAGE;
+            let buffer = gpu.upload("volume constants", &work.constants, usage)?;
+            // Footprints lie behind the volumes' constants.
+            let buffers = [targets.view_constants(), &buffer, &buffer];
+            let label = "view and volumes";
+            let bind_group = gpu.bind_buffers(label, on.frame_layout, &buffers);
+            (buffer, bind_group)
         };
         let texture = |label, format, texel_bytes, usage| {
             gpu.work

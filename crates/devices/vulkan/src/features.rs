@@ -85,7 +85,7 @@ impl Physical<'_> {
         // SAFETY: the caller's promise; the device is the instance's.
         unsafe {
             self.instance
-                .get_physical_device_features2(self.raw, &mut all)
+                .get_physical_device_features2(self.raw, &mut all);
         };
         asked
     }
@@ -98,7 +98,7 @@ impl Physical<'_> {
         // SAFETY: the caller's promise; the device is the instance's.
         unsafe {
             self.instance
-                .get_physical_device_properties2(self.raw, &mut all)
+                .get_physical_device_properties2(self.raw, &mut all);
         };
         asked
     }

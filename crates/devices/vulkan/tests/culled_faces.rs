@@ -27,7 +27,7 @@ use terrafill_vulkan::{
 
 const SLIVERS: u32 = 4_000;
 
-/// Numbers between −1 and 1, the same in every run (SplitMix64; Steele and others, 2014).
+/// Numbers between −1 and 1, the same in every run (`SplitMix64`; Steele and others, 2014).
 struct Numbers(u64);
 
 impl Numbers {

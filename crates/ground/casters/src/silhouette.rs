@@ -72,12 +72,11 @@ pub fn by_hash(mesh: &Mesh, facing: &Facing) -> Vec<Side> {
     let mut sides: Vec<Option<Side>> = Vec::new();
     let mut places: HashMap<Side, usize> = HashMap::new();
     for border in facing.lit(mesh).flat_map(borders) {
-        match places.remove(&undirected(border)) {
-            Some(found) => sides[found] = None,
-            None => {
-                places.insert(undirected(border), sides.len());
-                sides.push(Some(border));
-            }
+        if let Some(found) = places.remove(&undirected(border)) {
+            sides[found] = None;
+        } else {
+            places.insert(undirected(border), sides.len());
+            sides.push(Some(border));
         }
     }
     sides.into_iter().flatten().collect()

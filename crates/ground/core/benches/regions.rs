@@ -65,14 +65,18 @@ struct PerVertex;
 
 impl ValueFormatter for PerVertex {
     fn scale_values(&self, _: f64, values: &mut [f64]) -> &'static str {
-        values.iter_mut().for_each(|value| *value *= 1e-6);
+        for value in values.iter_mut() {
+            *value *= 1e-6;
+        }
         "ms CPU"
     }
 
     fn scale_throughputs(&self, _: f64, unit: &Throughput, values: &mut [f64]) -> &'static str {
         if let Throughput::Elements(vertices) = unit {
             let vertices = *vertices as f64;
-            values.iter_mut().for_each(|value| *value /= vertices);
+            for value in values.iter_mut() {
+                *value /= vertices;
+            }
         }
         "ns/vertex"
     }

@@ -38,7 +38,7 @@ pub struct RegionFile {
 /// records; gzip of any of these is unpacked.
 ///
 /// - `file`: what error messages call it
-/// - accepts Polygon, MultiPolygon, and GeometryCollection whose other members are left out with a
+/// - accepts Polygon, `MultiPolygon`, and `GeometryCollection` whose other members are left out with a
 ///   warning; heights are ignored; a byte order mark, either line ending and either winding are fine
 /// - leaves features of points, lines, empty polygons or no geometry out. [`RegionFile::warnings`] says so.
 /// - normalises open rings, repeated positions, and parts and holes without area beside others that have

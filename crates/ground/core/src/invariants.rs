@@ -319,18 +319,15 @@ impl RegionMesh {
         let corners = triangle.map(|i| self.vertices_deg[i as usize]);
         let pole = corners.iter().position(|corner| corner[1].abs() == 90.0);
         let mut ring: Vec<Degrees> = Vec::with_capacity(4);
-        match pole {
-            Some(k) => {
-                let (pole, from, to) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
-                let to = [from[0] + short_step(from[0], to[0]), to[1]];
-                ring.extend([from, to, [to[0], pole[1]], [from[0], pole[1]]]);
-            }
-            None => {
-                let [a, b, c] = corners;
-                let b = [a[0] + short_step(a[0], b[0]), b[1]];
-                let c = [a[0] + short_step(a[0], c[0]), c[1]];
-                ring.extend([a, b, c]);
-            }
+        if let Some(k) = pole {
+            let (pole, from, to) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            let to = [from[0] + short_step(from[0], to[0]), to[1]];
+            ring.extend([from, to, [to[0], pole[1]], [from[0], pole[1]]]);
+        } else {
+            let [a, b, c] = corners;
+            let b = [a[0] + short_step(a[0], b[0]), b[1]];
+            let c = [a[0] + short_step(a[0], c[0]), c[1]];
+            ring.extend([a, b, c]);
         }
         let mut area = 0.0;
         let mut terms = 0.0;

@@ -267,22 +267,21 @@ impl Arc {
     /// Place of the edge next to another one; an end of it where that is nearest.
     fn nearest(&self, place: Degrees) -> Degrees {
         let [start, end] = self.ends;
-        match &self.lens {
-            Some(lens) => match lens.share_of(place) {
+        if let Some(lens) = &self.lens {
+            match lens.share_of(place) {
                 Some(share) => lens.place(share),
                 None if arc_rad(start, place) < arc_rad(end, place) => start,
                 None => end,
-            },
-            None => {
-                let along = [end[0] - start[0], end[1] - start[1]];
-                let by = [place[0] - start[0], place[1] - start[1]];
-                let share = (along[0] * by[0] + along[1] * by[1])
-                    / (along[0] * along[0] + along[1] * along[1]);
-                match share {
-                    share if share <= 0.0 => start,
-                    share if share >= 1.0 => end,
-                    share => point_on_edge(EdgeRule::Planar, start, end, share),
-                }
+            }
+        } else {
+            let along = [end[0] - start[0], end[1] - start[1]];
+            let by = [place[0] - start[0], place[1] - start[1]];
+            let share =
+                (along[0] * by[0] + along[1] * by[1]) / (along[0] * along[0] + along[1] * along[1]);
+            match share {
+                share if share <= 0.0 => start,
+                share if share >= 1.0 => end,
+                share => point_on_edge(EdgeRule::Planar, start, end, share),
             }
         }
     }

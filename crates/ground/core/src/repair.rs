@@ -538,7 +538,9 @@ mod tests {
             ring.push([f64::from(2 * count) * 0.1 + 2.0, 0.0]);
             ring.push([0.0, 0.0]);
             if turned {
-                ring.iter_mut().for_each(|vertex| vertex.swap(0, 1));
+                for vertex in &mut ring {
+                    vertex.swap(0, 1);
+                }
             }
             ring
         };

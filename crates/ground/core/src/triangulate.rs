@@ -481,7 +481,9 @@ impl Group {
         let mut used = vec![false; count];
         for (triangle, _) in (0..).zip(&inside).filter(|(_, inside)| **inside) {
             let corners = self.mesh.corners(triangle);
-            corners.iter().for_each(|&i| used[i as usize] = true);
+            for &i in &corners {
+                used[i as usize] = true;
+            }
             triangles.push(corners);
         }
         // In the order of the outline: what is done with neighbours stays close in memory.

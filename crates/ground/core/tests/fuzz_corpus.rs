@@ -111,24 +111,24 @@ fn a_mesh_that_lies_is_found_out() {
     assert_eq!(find(&case, &Ok(right.clone())), Ok(()));
     let lies: [(&str, Lie); 8] = [
         ("area a millionth too large", |mesh| {
-            mesh.area_m2 *= 1.000_001
+            mesh.area_m2 *= 1.000_001;
         }),
         ("area not a number", |mesh| mesh.area_m2 = f64::NAN),
         ("a triangle missing", |mesh| {
             mesh.triangles.pop();
         }),
         ("a triangle turned over", |mesh| {
-            mesh.triangles[0].swap(0, 1)
+            mesh.triangles[0].swap(0, 1);
         }),
         ("no hole in the boundary", |mesh| {
             mesh.boundary_loops.pop();
         }),
         ("deviation over the tolerance", |mesh| {
-            mesh.boundary_deviation_m = 101.0
+            mesh.boundary_deviation_m = 101.0;
         }),
         ("extent too small", |mesh| mesh.extent.east_deg = 9.0),
         ("a vertex not finite", |mesh| {
-            mesh.vertices_ecef[3].x = f64::NAN
+            mesh.vertices_ecef[3].x = f64::NAN;
         }),
     ];
     for (what, lie) in lies {

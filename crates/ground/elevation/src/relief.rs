@@ -82,7 +82,7 @@ impl Relief {
         (value.sum::<f64>() * CONTRAST).clamp(-1.0, 1.0)
     }
 
-    /// Uniform in −1 … 1 and independent of its neighbours, by the mixing of SplitMix64 (Steele, Lea
+    /// Uniform in −1 … 1 and independent of its neighbours, by the mixing of `SplitMix64` (Steele, Lea
     /// and Flood, 2014): whole numbers only.
     fn lattice(self, octave: u32, place: [i32; 3]) -> f64 {
         let numbers = [self.seed, octave].map(u64::from).into_iter();

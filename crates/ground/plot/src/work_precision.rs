@@ -228,12 +228,11 @@ impl<'a> Panel<'a> {
         let mut without_cost = 0.0;
         for curve in &self.plot.curves {
             for point in &curve.points {
-                let x = match &point.x {
-                    Some(cost) => self.x.px(cost.middle),
-                    None => {
-                        without_cost += 1.0;
-                        self.frame.right - (without_cost - 1.0) * 4.0 * MARKER_PX
-                    }
+                let x = if let Some(cost) = &point.x {
+                    self.x.px(cost.middle)
+                } else {
+                    without_cost += 1.0;
+                    self.frame.right - (without_cost - 1.0) * 4.0 * MARKER_PX
                 };
                 let is_pinned = point.is_pinned();
                 let y = match &point.y {

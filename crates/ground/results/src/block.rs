@@ -158,7 +158,7 @@ pub enum Block {
         /// Whether it is open at first.
         is_open: bool,
         /// The blocks.
-        blocks: Vec<Block>,
+        blocks: Vec<Self>,
     },
 }
 
@@ -328,7 +328,7 @@ impl Row {
     /// A row that begins with a name.
     #[must_use]
     pub fn named(name: Cell, cells: impl IntoIterator<Item = Cell>) -> Self {
-        Self::new([name].into_iter().chain(cells).collect())
+        Self::new(std::iter::once(name).chain(cells).collect())
     }
 
     /// Every figure of the row is bad news.

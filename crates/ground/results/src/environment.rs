@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where and with what a run was made. Free of host names: it is a fingerprint of the kind of
 /// machine, not of the machine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Default)]
 pub struct RunEnvironment {
     /// Version of these files' schema.
     pub schema: u32,

@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use std::ops::Index;
 
 /// Values by number, in rising order.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Numbered<V>(SmallVec<[(u32, V); 1]>);
 
 impl<V> Default for Numbered<V> {

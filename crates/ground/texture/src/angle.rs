@@ -279,7 +279,7 @@ mod tests {
     }
 
     /// Largest error on [0, 1] as another implementation measured it, radians: entries, nearest, two
-    /// loads, sampler on R32F, sampler on R16Unorm.
+    /// loads, sampler on R32F, sampler on `R16Unorm`.
     const TABLES_MEASURED: [(u16, [f64; 4]); 4] = [
         (16, [3.3e-2, 3.6e-4, 4.6e-4, 4.6e-4]),
         (256, [2.0e-3, 1.3e-6, 8.1e-6, 1.3e-5]),

@@ -20,7 +20,7 @@ use terrafill_core::nearest_f32;
 pub(crate) const WEIGHT_BITS: i32 = 8;
 
 /// A cube texture of longitude and latitude. Texels are computed on demand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CubeTexture {
     size: u32,
     /// Whether its sampler does not round weights to [`WEIGHT_BITS`].

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which latitude a route computes, from geocentric (wrong by up to 11.5′ on Earth) to geodetic.
 //!
-//! Every form is a vector (V_ρ, V_z) of the meridian's half-plane whose direction is taken for the
+//! Every form is a vector (`V_ρ`, `V_z`) of the meridian's half-plane whose direction is taken for the
 //! normal's. Geocentric: the position itself. Parametric: ((1 − e²) ρ, z), one product more and exact
 //! on the surface (Torge, "Geodesy", §4.1.3); off by 37 m at −11 km. Bowring (1976): from the centre of
 //! curvature of the meridian, `(ρ − e² a cos³ β, z + e′² b sin³ β)`, β being the parametric latitude.

@@ -41,7 +41,7 @@ impl Real for f32 {
         reason = "rounding to f32 is what is measured"
     )]
     fn of(value: f64) -> Self {
-        value as f32
+        value as Self
     }
 
     fn as_f64(self) -> f64 {

@@ -47,18 +47,15 @@ impl ByCpu {
 impl Steps for ByCpu {
     fn step(&mut self, count: u32) -> Result<(), DeviceError> {
         for _ in 0..count {
-            match &self.heights {
-                Some(heights) => {
-                    let ground = Ground {
-                        constants: &self.constants,
-                        heights,
-                    };
-                    self.balls.iter_mut().for_each(|ball| ground.step(ball));
-                }
-                None => {
-                    let constants = &self.constants;
-                    self.balls.iter_mut().for_each(|ball| push(constants, ball));
-                }
+            if let Some(heights) = &self.heights {
+                let ground = Ground {
+                    constants: &self.constants,
+                    heights,
+                };
+                self.balls.iter_mut().for_each(|ball| ground.step(ball));
+            } else {
+                let constants = &self.constants;
+                self.balls.iter_mut().for_each(|ball| push(constants, ball));
             }
         }
         self.drawn.stream(bytemuck::cast_slice(&self.balls))

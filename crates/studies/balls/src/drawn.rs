@@ -192,22 +192,19 @@ impl DrawnSession<'_> {
         let devices = self.context.devices;
         let mut steps = way.open(devices, &of_case.constants(), &balls, Some(&self.terrain))?;
         let mut points = steps.points(size)?;
-        let (walk, last, strayed, mut uploaded) = match self.walked.get(&(way, law, count)) {
-            // Followed before: the same steps, in frames of a few.
-            Some((walk, there)) => {
+        let (walk, last, strayed, mut uploaded) =
+            if let Some((walk, there)) = self.walked.get(&(way, law, count)) {
                 let uploaded = take(steps.as_mut(), flight_steps(balls.len()))?;
                 let last = steps.read()?;
                 let mut strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
                 strayed += last.len().abs_diff(there.len());
                 (*walk, last, strayed, uploaded)
-            }
-            None => {
+            } else {
                 let walk = walk(steps.as_mut(), &of_case.flight(&self.terrain), &balls)?;
                 let last = steps.read()?;
                 self.walked.insert((way, law, count), (walk, last.clone()));
                 (walk, last, 0, walk.uploaded)
-            }
-        };
+            };
         let ranges = drawn.ranges(count);
         let mut found = BallOutcome {
             walk,

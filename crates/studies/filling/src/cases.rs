@@ -119,23 +119,20 @@ impl ViewGroup {
         let technique = case.subject.backend();
         let purposes: Vec<&str> = case.purposes.iter().map(|purpose| purpose.name()).collect();
         let role = purposes.join("+");
-        let (name, conditions) = match case.regions {
-            Some(regions) => {
-                let layout = case.subject.layout();
-                let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
-                let conditions = vec![
-                    (SCENE, scene.clone()),
-                    (TECHNIQUE, technique.to_owned()),
-                    (LAYOUT, layout),
-                    (REGIONS, regions.to_string()),
-                ];
-                (name, conditions)
-            }
-            None => {
-                let variant = case.variant_name();
-                let name = format!("{scene}/{view}/{technique}/{variant}");
-                (name, self.conditions(case, &variant))
-            }
+        let (name, conditions) = if let Some(regions) = case.regions {
+            let layout = case.subject.layout();
+            let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
+            let conditions = vec![
+                (SCENE, scene.clone()),
+                (TECHNIQUE, technique.to_owned()),
+                (LAYOUT, layout),
+                (REGIONS, regions.to_string()),
+            ];
+            (name, conditions)
+        } else {
+            let variant = case.variant_name();
+            let name = format!("{scene}/{view}/{technique}/{variant}");
+            (name, self.conditions(case, &variant))
         };
         let conditions = conditions.into_iter().chain([(ROLE, role)]);
         PlannedCase {
@@ -432,7 +429,7 @@ impl Builder<'_> {
             }
             layouts.push(layout);
             let others = REGION_COUNTS.into_iter().filter(|count| *count != own);
-            cases.extend([own].into_iter().chain(others).map(|regions| FillCase {
+            cases.extend(std::iter::once(own).chain(others).map(|regions| FillCase {
                 regions: Some(regions),
                 ..FillCase::new(case.subject.clone(), Purpose::Memory, 0)
             }));

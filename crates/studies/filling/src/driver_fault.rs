@@ -239,7 +239,9 @@ mod tests {
         let place = 451 * 1024 + 503;
         let drawn = |wrong: &[usize]| {
             let mut frame = reference.clone();
-            wrong.iter().for_each(|&pixel| frame.ids[pixel] = 0);
+            for &pixel in wrong {
+                frame.ids[pixel] = 0;
+            }
             frame
         };
         let settled = |wrong: &[usize]| {

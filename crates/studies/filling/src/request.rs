@@ -150,8 +150,8 @@ impl Wishes {
     /// The steps of `technique` that are wanted of a scene's ablation: all, or those from a step on.
     pub(crate) fn steps(&self, technique: &dyn Technique, scene: &Scene) -> Vec<PlannedStep> {
         let mut steps = technique.ablation(scene.overlap);
-        let first = self.ablations().filter(|(name, _)| *name == scene.name);
-        if let Some(step) = first.filter_map(|(_, step)| step).next() {
+        let mut first = self.ablations().filter(|(name, _)| *name == scene.name);
+        if let Some(step) = first.find_map(|(_, step)| step) {
             let place = steps.iter().position(|planned| planned.name == step);
             steps.drain(..place.unwrap_or(0));
         }

@@ -88,11 +88,11 @@ impl Subject {
         let of_stencil = if technique.has_stencil_switches() {
             Vec::new()
         } else {
-            variant.switches.settings().to_vec()
+            variant.switches.settings().clone()
         };
         let others = others.filter(|(key, _)| of_stencil.iter().all(|(own, _)| own != key));
         let others = others.map(|(key, value)| (ConditionKey::declare(key), value));
-        [layout].into_iter().chain(others).collect()
+        std::iter::once(layout).chain(others).collect()
     }
 
     /// The fill's switches; a full-screen pass has none.

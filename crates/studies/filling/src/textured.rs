@@ -137,10 +137,10 @@ pub(crate) fn textured_variants(
     let native = RouteChoice::parse(NATIVE_ROUTE).filter(|_| is_first);
     let native = native.map(by);
     if is_picture_scene(scene) {
-        return [chosen].into_iter().chain(native).collect();
+        return std::iter::once(chosen).chain(native).collect();
     }
     if quick {
-        let both = [chosen].into_iter().chain(native);
+        let both = std::iter::once(chosen).chain(native);
         return both.filter(|_| is_quick_view && is_first).collect();
     }
     let mut variants = vec![chosen];

@@ -41,7 +41,7 @@ impl Opened {
     ) -> Result<Arc<dyn Surface>, String> {
         let parameters = parameters.into_iter();
         let parameters = parameters.map(|(key, value)| (key.into(), value.into()));
-        let parameters = Table::from_iter(parameters);
+        let parameters = parameters.collect::<Table>();
         let key = format!("{kind} {parameters}");
         if let Some(surface) = self.surfaces.borrow().get(&key) {
             return Ok(Arc::clone(surface));

@@ -236,33 +236,30 @@ impl Session for SightPart<'_> {
         let work = &works[case];
         let picture = self.targets[work.targets()].read()?;
         let of_device = of_depth(eye, &picture);
-        let (judged, otherwise) = match (&work.surface, &frame) {
-            (Some(chosen), Some(frame)) => {
-                let key = format!("{} {}", chosen.row.kind, chosen.parameters());
-                let judged = self.judged.entry(key).or_insert_with(|| {
-                    let knob = number(&chosen.value).unwrap_or(f64::NAN);
-                    Rc::new(Judged {
-                        errors: of_frame(eye, frame),
-                        expected: expected(chosen.row.expected, knob, eye),
-                    })
-                });
-                let width = eye.size.width as usize;
-                let otherwise = drawn_otherwise(width, &judged.errors.shown, &of_device.shown);
-                (Rc::clone(judged), Some(otherwise))
-            }
-            _ => {
-                let by_construction = Expected {
-                    px_max: Some(0.0),
-                    map_max_m: None,
-                    lowest_m: Some(0.0),
-                    by: "0 by construction",
-                };
-                let judged = Judged {
-                    errors: of_device,
-                    expected: by_construction,
-                };
-                (Rc::new(judged), None)
-            }
+        let (judged, otherwise) = if let (Some(chosen), Some(frame)) = (&work.surface, &frame) {
+            let key = format!("{} {}", chosen.row.kind, chosen.parameters());
+            let judged = self.judged.entry(key).or_insert_with(|| {
+                let knob = number(&chosen.value).unwrap_or(f64::NAN);
+                Rc::new(Judged {
+                    errors: of_frame(eye, frame),
+                    expected: expected(chosen.row.expected, knob, eye),
+                })
+            });
+            let width = eye.size.width as usize;
+            let otherwise = drawn_otherwise(width, &judged.errors.shown, &of_device.shown);
+            (Rc::clone(judged), Some(otherwise))
+        } else {
+            let by_construction = Expected {
+                px_max: Some(0.0),
+                map_max_m: None,
+                lowest_m: Some(0.0),
+                by: "0 by construction",
+            };
+            let judged = Judged {
+                errors: of_device,
+                expected: by_construction,
+            };
+            (Rc::new(judged), None)
         };
         let mut figures = figures(&judged);
         figures.push(("globe_upload_bytes", upload_bytes(frame.as_ref()) as f64));
@@ -322,7 +319,9 @@ pub(crate) const OTHER_TRIANGLES: &str = "it made other triangles than when it w
 /// Of what a device reads.
 pub(crate) fn fingerprint(parts: &[&[u8]]) -> u64 {
     let mut hasher = DefaultHasher::new();
-    parts.iter().for_each(|part| hasher.write(part));
+    for part in parts {
+        hasher.write(part);
+    }
     hasher.finish()
 }
 

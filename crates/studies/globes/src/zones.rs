@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Zones of a height field whose levels follow their counted pixels (Gebbie and Bailey, “Using occlusion_query for
+//! Zones of a height field whose levels follow their counted pixels (Gebbie and Bailey, “Using `occlusion_query` for
 //! Heightfield Terrains”), drawn and counted on devices. A row of spikes hides the zones behind it at the finest level
 //! alone, so that they have fewer pixels the finer they are.
 

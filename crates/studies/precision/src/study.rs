@@ -116,7 +116,7 @@ impl Session for TimingSession<'_> {
         let gpu = time.gpu_ms.zip(empty.gpu_ms);
         let cpu_ns = per_evaluation(time.cpu_ms, empty.cpu_ms);
         let gpu_ns = gpu.map(|(ms, empty_ms)| ("gpu_ns", per_evaluation(ms, empty_ms)));
-        Ok([("cpu_ns", cpu_ns)].into_iter().chain(gpu_ns).collect())
+        Ok(std::iter::once(("cpu_ns", cpu_ns)).chain(gpu_ns).collect())
     }
 }
 

@@ -34,12 +34,11 @@ pub(crate) fn outlines(models: u32, way: Way) -> (u64, u64) {
     for model in 0..models {
         let first = 1 + random.below(WIDTH - 12);
         let past = first + 2 + random.below(8);
-        let clear_now = match way {
-            Way::Clear => model > 0,
-            _ => {
-                value = (value + 1) % 255;
-                value == 0 && way != Way::ValueNeverCleared
-            }
+        let clear_now = if way == Way::Clear {
+            model > 0
+        } else {
+            value = (value + 1) % 255;
+            value == 0 && way != Way::ValueNeverCleared
         };
         if clear_now {
             stencil = [NONE; WIDTH];

@@ -150,13 +150,12 @@ impl Answering<'_> {
         name: &str,
         make: impl FnOnce() -> Result<Scene, String>,
     ) -> Result<&Scene, String> {
-        match self.scenes.iter().position(|(own, _)| own == name) {
-            Some(place) => self.scenes[place..].rotate_left(1),
-            None => {
-                self.scenes.push((name.to_owned(), make()?));
-                let before = self.scenes.len().saturating_sub(SCENES);
-                self.scenes.drain(..before);
-            }
+        if let Some(place) = self.scenes.iter().position(|(own, _)| own == name) {
+            self.scenes[place..].rotate_left(1);
+        } else {
+            self.scenes.push((name.to_owned(), make()?));
+            let before = self.scenes.len().saturating_sub(SCENES);
+            self.scenes.drain(..before);
         }
         let last = self.scenes.last().map(|(_, scene)| scene);
         last.ok_or_else(|| name.to_owned())

@@ -14,7 +14,7 @@ use terrafill_maps::{
 use terrafill_screen_grid::ScreenMesh;
 use view::{camera, corners, grid, pixel, seen, sphere, square, true_hit, weights};
 
-/// Numbers evenly between 0 and 1, the same on every run (Steele, Lea & Flood, 2014: SplitMix64).
+/// Numbers evenly between 0 and 1, the same on every run (Steele, Lea & Flood, 2014: `SplitMix64`).
 struct Draws(u64);
 
 impl Draws {

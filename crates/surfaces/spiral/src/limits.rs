@@ -5,7 +5,7 @@
 //! its centre, so the horizon is `acos(1/d)` away.
 
 use crate::layout::Steps;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::Ellipsoid;
 use terrafill_scene::{Camera, ImageSize};
@@ -145,7 +145,7 @@ fn angle_to(ratio: f64) -> Option<f64> {
 fn corner_angle(body: &Ellipsoid, camera: &Camera, size: ImageSize, lowest: f64) -> Option<f64> {
     let tan_y = camera.tan_half_fov();
     let tan_x = tan_y * size.aspect();
-    let ecef_from_view: DMat3 = camera.view_from_ecef.transpose();
+    let ecef_from_view = camera.view_from_ecef.transpose();
     let eye = camera.eye_ecef / body.radii_m();
     let mut largest: f64 = 0.0;
     for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {

@@ -78,9 +78,9 @@ fn extent(body: &Ellipsoid, corners: &[DVec3], heights: HeightRange, eye_ecef: D
     let (mut south_deg, mut north_deg) = (latitude(south, -margin), latitude(north, margin));
     if has_pole {
         if middle > 0.0 {
-            north_deg = 90.0
+            north_deg = 90.0;
         } else {
-            south_deg = -90.0
+            south_deg = -90.0;
         }
     }
     Extent {

@@ -254,8 +254,9 @@ impl SceneOutlines {
             let outline = Outline::of(body, mesh)?;
             let first = count_u32("lines of outlines", all.ends.len())?;
             for line in &outline.lines {
-                line.iter()
-                    .for_each(|place| format.push(&mut all.words, *place));
+                for place in line {
+                    format.push(&mut all.words, *place);
+                }
                 positions += line.len();
                 all.ends
                     .push(count_u32("positions of outlines", positions)?);

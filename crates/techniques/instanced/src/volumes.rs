@@ -228,7 +228,7 @@ impl WgpuVolumes for InstancedVolumes {
             }
             match part {
                 VolumePart::TopCap | VolumePart::BottomCap => {
-                    scene.draw_caps(pass, draw, &self.seen)
+                    scene.draw_caps(pass, draw, &self.seen);
                 }
                 VolumePart::Walls => scene.draw_walls(pass, draw, &self.seen),
             }

@@ -302,7 +302,7 @@ impl SceneGeometry {
                 .iter()
                 .chain([&first])
                 .flat_map(|&vertex| [vertex; 2]);
-            let strip = [first].into_iter().chain(twice).chain([u32::MAX]);
+            let strip = std::iter::once(first).chain(twice).chain([u32::MAX]);
             self.indices.extend(short, strip);
         }
     }

@@ -323,8 +323,7 @@ impl SceneBuffers {
             .into_iter()
             .flatten();
         let indices: Vec<u64> = indices.map(Buffer::size).collect();
-        [positions]
-            .into_iter()
+        std::iter::once(positions)
             .chain(bytes.holdings(&indices))
             .collect()
     }

@@ -73,16 +73,13 @@ impl MergedLists {
             debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
             let before = self.indices.len();
             let first = slice.place.first_triangle_index;
-            match held.drawn_parts.get(&mesh) {
-                Some(parts) => {
-                    for range in parts.both_caps(cap, has_bottom) {
-                        held.copy(slice, first, range, &mut self.indices);
-                    }
+            if let Some(parts) = held.drawn_parts.get(&mesh) {
+                for range in parts.both_caps(cap, has_bottom) {
+                    held.copy(slice, first, range, &mut self.indices);
                 }
-                None => {
-                    let both = if has_bottom { 2 * cap } else { cap };
-                    held.copy(slice, first, 0..both, &mut self.indices);
-                }
+            } else {
+                let both = if has_bottom { 2 * cap } else { cap };
+                held.copy(slice, first, 0..both, &mut self.indices);
             }
             let both = self.indices.len() - before;
             let bottom = if has_bottom { both / 2 } else { 0 };
@@ -270,15 +267,12 @@ impl Merged {
         self.lists = MergedLists::new(list, program, &held);
         let bytes = self.lists.bytes(self.is_short);
         let has_room = |buffer: &wgpu::Buffer| buffer.size() >= bytes.len() as u64;
-        match self.indices.take().filter(has_room) {
-            Some(buffer) => {
-                gpu.write_changed(&buffer, &self.written, &bytes);
-                self.indices = Some(buffer);
-            }
-            None => {
-                let usage = wgpu::BufferUsages::INDEX;
-                self.indices = Some(gpu.upload("merged indices", &bytes, usage)?);
-            }
+        if let Some(buffer) = self.indices.take().filter(has_room) {
+            gpu.write_changed(&buffer, &self.written, &bytes);
+            self.indices = Some(buffer);
+        } else {
+            let usage = wgpu::BufferUsages::INDEX;
+            self.indices = Some(gpu.upload("merged indices", &bytes, usage)?);
         }
         self.written = bytes;
         self.listed = Some(listed);

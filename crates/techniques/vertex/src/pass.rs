@@ -365,12 +365,11 @@ impl WgpuVolumes for VertexVolumes {
             return;
         };
         for short_indices in [true, false] {
-            let is_drawn = match &scene.merged {
-                Some(merged) => merged.has_short_indices() == short_indices,
-                None => {
-                    let mut drawn = scene.of_width(list, draw.volumes, short_indices);
-                    drawn.next().is_some()
-                }
+            let is_drawn = if let Some(merged) = &scene.merged {
+                merged.has_short_indices() == short_indices
+            } else {
+                let mut drawn = scene.of_width(list, draw.volumes, short_indices);
+                drawn.next().is_some()
             };
             if is_drawn {
                 for key in keys(self.variant.layout, short_indices, draw.state, blends) {

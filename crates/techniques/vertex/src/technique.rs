@@ -280,7 +280,9 @@ impl Technique for VertexTechnique {
         let ratio = variant.and_then(|variant| cap_acmr(input, &variant));
         let is_centric = variant.is_some_and(|variant| variant.normals == Normals::Centric);
         let shift_m = is_centric.then(|| ("wall_shift_m", wall_shift_m(input)));
-        [("cap_acmr", ratio)].into_iter().chain(shift_m).collect()
+        std::iter::once(("cap_acmr", ratio))
+            .chain(shift_m)
+            .collect()
     }
 
     fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {

@@ -724,9 +724,9 @@ fn shapes(body: Ellipsoid, shapes: &[&str]) -> Scene {
     let meshes = shapes.iter().enumerate().flat_map(|(i, shape)| {
         let text = format!(r#"{{"type":"Polygon","coordinates":{shape}}}"#);
         let mut meshes = meshes_of(text.as_bytes(), "shape", &body, EdgeRule::Planar);
-        meshes
-            .iter_mut()
-            .for_each(|mesh| mesh.name = format!("shape {i}"));
+        for mesh in &mut meshes {
+            mesh.name = format!("shape {i}");
+        }
         meshes
     });
     let meshes: Vec<RegionMesh> = meshes.collect();

@@ -33,7 +33,7 @@ impl PartialFile {
         let file = file.map_err(|error| unwritable(&path, error))?;
         // Two processes that append to one file would mix their bytes. Where a file system knows no
         // locks, the hash still tells.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
             return Err(DataError::Busy { path });
         }
         let bytes = file.metadata().map_err(|error| unwritable(&path, error))?;

@@ -203,7 +203,7 @@ mod tests {
     struct Element {
         name: String,
         attributes: BTreeMap<String, String>,
-        children: Vec<Element>,
+        children: Vec<Self>,
         text: String,
     }
 

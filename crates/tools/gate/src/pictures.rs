@@ -22,7 +22,7 @@ const NOTES: [(&str, &str); 3] = [
 ];
 
 /// The pictures of a case.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ShownCase {
     /// [`terrafill_results::CaseId::key`].
     pub case: String,

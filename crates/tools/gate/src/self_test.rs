@@ -236,25 +236,20 @@ pub fn self_test(
         let mut options = TimeOptions::new(new.clock(), test.budget);
         options.floors.frame.percent = test.floor_percent;
         let mut gate = compare_times(&mut job, &of_frames, &options)?;
-        match test.injection {
-            // Of equal work no side is the slower one.
-            None => {
-                let mut times = BTreeMap::new();
-                for of in of_frames.iter().filter(|of| of.span == Span::Frame) {
-                    let base = job.times(Side::Base, &of.metric)?;
-                    let new = job.times(Side::New, &of.metric)?;
-                    times.insert(of.metric.clone(), [base, new]);
-                }
-                proof.bias.count(&gate, &times, is_swapped);
-                gate.cases
-                    .extend(compare_setups(&mut job, &of_setups, &options)?);
-                proof.rates.count(&gate.cases, false);
+        if test.injection.is_none() {
+            let mut times = BTreeMap::new();
+            for of in of_frames.iter().filter(|of| of.span == Span::Frame) {
+                let base = job.times(Side::Base, &of.metric)?;
+                let new = job.times(Side::New, &of.metric)?;
+                times.insert(of.metric.clone(), [base, new]);
             }
-            // Frames are what is added.
-            Some(_) => {
-                gate.cases.retain(|case| case.span == Span::Frame);
-                proof.rates.count(&gate.cases, is_swapped);
-            }
+            proof.bias.count(&gate, &times, is_swapped);
+            gate.cases
+                .extend(compare_setups(&mut job, &of_setups, &options)?);
+            proof.rates.count(&gate.cases, false);
+        } else {
+            gate.cases.retain(|case| case.span == Span::Frame);
+            proof.rates.count(&gate.cases, is_swapped);
         }
         done(&proof);
     }

@@ -269,7 +269,9 @@ fn by_chance(
     let mut sizes = Vec::new();
     for (group, prior) in groups.iter_mut().zip(priors) {
         for _ in 0..orders {
-            group.iter_mut().for_each(|values| shuffle(values, random));
+            for values in group.iter_mut() {
+                shuffle(values, random);
+            }
             let logs: Vec<f64> = group.iter().map(|values| log_scatter(values)).collect();
             let size = |(values, scatter): (&Vec<f64>, f64)| {
                 Cut::of(values).map_or(0.0, |cut| cut.size(values, scatter))

@@ -37,7 +37,7 @@ pub struct Store {
 }
 
 /// Runs, machines and the order of commits.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Overview {
     /// By number.
     pub machines: BTreeMap<i64, Machine>,

@@ -177,7 +177,7 @@ fn subtitle(report: &Report<'_>, facts: &[(&str, Vec<String>)]) -> String {
         let found = all.find(|(name, _)| *name == wanted)?;
         Some(found.1.clone()).filter(|value| !value.is_empty())
     });
-    let all = [device].into_iter().chain(recorded).flatten();
+    let all = std::iter::once(device).chain(recorded).flatten();
     all.collect::<Vec<_>>().join(" · ")
 }
 

@@ -437,12 +437,11 @@ fn once(page: &str) -> String {
     for (number, piece) in pieces.enumerate() {
         let (command, rest) = piece.split_once('"').unwrap_or((piece, ""));
         shortened.push_str(BEGIN);
-        match first.get(command) {
-            Some(first) => shortened.push_str(&format!("@{first}")),
-            None => {
-                first.insert(command, number);
-                shortened.push_str(command);
-            }
+        if let Some(first) = first.get(command) {
+            shortened.push_str(&format!("@{first}"));
+        } else {
+            first.insert(command, number);
+            shortened.push_str(command);
         }
         shortened.push('"');
         shortened.push_str(rest);

@@ -86,12 +86,11 @@ pub(crate) fn about_cells(table: &Table) -> String {
 
 /// Number of the footnote with this text, from 1.
 pub(crate) fn footnote<'a>(text: &'a str, footnotes: &mut Vec<&'a str>) -> usize {
-    match footnotes.iter().position(|known| *known == text) {
-        Some(index) => index + 1,
-        None => {
-            footnotes.push(text);
-            footnotes.len()
-        }
+    if let Some(index) = footnotes.iter().position(|known| *known == text) {
+        index + 1
+    } else {
+        footnotes.push(text);
+        footnotes.len()
     }
 }
 

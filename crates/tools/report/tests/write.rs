@@ -550,7 +550,7 @@ fn pages_refer_to_files_that_are_there_and_to_nothing_else() {
     let pages: Vec<String> = pages.map(|file| format!("pages/{file}")).collect();
     assert_eq!(pages, ["pages/filling.html", "pages/glossary.html"]);
     let mut found = 0;
-    for page in ["index.html".to_owned()].iter().chain(&pages) {
+    for page in std::iter::once(&"index.html".to_owned()).chain(&pages) {
         let path = folder.path().join(page);
         let html = fs::read_to_string(&path).expect("the page");
         for address in loads(&html) {

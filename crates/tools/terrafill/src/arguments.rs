@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Verbs and their arguments.
+#![allow(
+    clippy::doc_markdown,
+    reason = "these are texts of --help, where marks of code would show"
+)]
 
 mod budget;
 mod gate;

@@ -430,12 +430,11 @@ impl<'a> Subject<'a> {
     fn looking_down(&self, ground: &Ground<'_>, size: ImageSize) -> (&'static str, CameraPose) {
         let half_fov = (0.5 * FOV_RAD).tan();
         let down = [0.0, -std::f64::consts::FRAC_PI_2];
-        let (name, height_m) = match self.neighbours_m {
-            Some(distance_m) => ("dense", distance_m / (half_fov * size.aspect().min(1.0))),
-            None => {
-                let to_corner = half_fov * (1.0 + size.aspect().powi(2)).sqrt();
-                ("filled", FILLED_REACH * self.to_boundary_m / to_corner)
-            }
+        let (name, height_m) = if let Some(distance_m) = self.neighbours_m {
+            ("dense", distance_m / (half_fov * size.aspect().min(1.0)))
+        } else {
+            let to_corner = half_fov * (1.0 + size.aspect().powi(2)).sqrt();
+            ("filled", FILLED_REACH * self.to_boundary_m / to_corner)
         };
         let height_m = height_m.max(MIN_HEIGHT_M);
         (name, ground.pose(self.middle, height_m, down))

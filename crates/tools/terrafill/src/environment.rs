@@ -30,7 +30,7 @@ pub(crate) fn environment(
         schema: SCHEMA,
         // Of the build, see build.rs: the working directory may be another repository.
         commit: env!("TERRAFILL_COMMIT").to_owned(),
-        started_unix_s: started.map(|time| time.as_secs()).unwrap_or(0),
+        started_unix_s: started.map_or(0, |time| time.as_secs()),
         cpu: cpu.unwrap_or_default(),
         cores: u32::try_from(cpus.len()).unwrap_or(u32::MAX),
         memory_bytes: system.as_ref().map_or(0, System::total_memory),

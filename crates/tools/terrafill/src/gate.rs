@@ -176,12 +176,11 @@ fn new_run(arguments: &GateArguments) -> Result<Run, Failure> {
 }
 
 fn new_program(arguments: &GateArguments) -> Result<Program, Failure> {
-    let new = match &arguments.new {
-        Some(new) => new.clone(),
-        None => {
-            let this = std::env::current_exe().map_err(Failure::bad_input)?;
-            this.display().to_string()
-        }
+    let new = if let Some(new) = &arguments.new {
+        new.clone()
+    } else {
+        let this = std::env::current_exe().map_err(Failure::bad_input)?;
+        this.display().to_string()
     };
     Ok(Program::find(&new, &arguments.cache)?)
 }

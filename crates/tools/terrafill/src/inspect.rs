@@ -64,7 +64,7 @@ impl ListedScene {
             }) => Self::Skipped {
                 name,
                 available: false,
-                reason: why.to_string(),
+                reason: why.clone(),
                 needs: file,
                 sha256,
                 how,

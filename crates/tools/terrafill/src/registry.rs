@@ -370,7 +370,7 @@ mod tests {
                     Values::Percent => &["1", "100"],
                     Values::Pixels => &["0.5", "off"],
                 };
-                let defaults = [parameter.default].into_iter();
+                let defaults = std::iter::once(parameter.default);
                 let defaults = defaults.chain(parameter.default_in.iter().map(|(_, value)| *value));
                 for value in values.iter().copied().chain(defaults) {
                     let variant = main.clone().with(parameter.key, value);

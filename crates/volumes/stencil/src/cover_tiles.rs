@@ -193,7 +193,7 @@ impl<'a> Posts<'a> {
     }
 
     fn post(&mut self, vertex: u32) -> Post {
-        if let Post::NotLookedAt = self.known[vertex as usize] {
+        if matches!(self.known[vertex as usize], Post::NotLookedAt) {
             let ends = self.ends(vertex);
             let post = match ends.map(|end| self.projection.is_in_front(end)) {
                 [true, true] => {

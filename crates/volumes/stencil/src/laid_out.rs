@@ -90,9 +90,9 @@ impl<K: PartialEq, G> LaidOut<K, G> {
         self.keep(meshes, is_held);
         for place in 0..meshes.len() {
             if is_held(place) {
-                append(self.part(place, by(place), || lay_out(place)))
+                append(self.part(place, by(place), || lay_out(place)));
             } else {
-                append(&lay_out(place))
+                append(&lay_out(place));
             }
         }
     }

@@ -61,7 +61,7 @@ const STEPS: [Step; 11] = [
         |_, _| {},
     ),
     ("depth-copy", "depth is not copied", |variant, _| {
-        variant.switches.copies_depth = false
+        variant.switches.copies_depth = false;
     }),
     (
         "texture",

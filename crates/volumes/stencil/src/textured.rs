@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use terrafill_contract::{
     AddressMode, FillInput, PlannedTexture, TextureCoordinates, TexturePixel,
 };
-use terrafill_core::{Ellipsoid, nearest_f32};
+use terrafill_core::nearest_f32;
 use terrafill_plan::PlannedRegion;
 use terrafill_scene::SceneTexture;
 use terrafill_texture::{
@@ -559,7 +559,7 @@ fn fixed_part(
     sight: &EyeDistance,
     region: usize,
 ) -> TexturedRegion {
-    let body: &Ellipsoid = map.body();
+    let body = map.body();
     let turn = DMat3::from_rotation_z(-map.anchor_longitude_rad());
     let step = |axis: DVec3, length: f64| (turn * axis * length).as_vec3().to_array();
     let [width, height] = view.size.map(f64::from);

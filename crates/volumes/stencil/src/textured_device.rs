@@ -11,7 +11,7 @@ const TABLE_GROUP: u32 = 3;
 
 /// Texels of what some coordinate routes read besides constants: a table of the arctangent in one
 /// row, or a cube of longitudes and latitudes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RouteTexels {
     /// How a texel is stored.
     pub format: RouteTexelFormat,

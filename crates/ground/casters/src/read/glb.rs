@@ -271,16 +271,13 @@ impl Walk<'_> {
                 *place = [0, 1, 2].map(|axis| place[axis] + f64::from(*weight) * by[axis]);
             }
         }
-        let (corners, of) = match primitive.indices() {
-            Some(indices) => {
-                let of = format!("accessors[{}]", indices.index());
-                (self.accessors.indices(&indices)?, of)
-            }
-            None => {
-                let past = u32::try_from(count).unwrap_or(u32::MAX);
-                let of = format!("accessors[{}]", positions.index());
-                ((0..past).collect(), of)
-            }
+        let (corners, of) = if let Some(indices) = primitive.indices() {
+            let of = format!("accessors[{}]", indices.index());
+            (self.accessors.indices(&indices)?, of)
+        } else {
+            let past = u32::try_from(count).unwrap_or(u32::MAX);
+            let of = format!("accessors[{}]", positions.index());
+            ((0..past).collect(), of)
         };
         self.corners = self.corners.saturating_add(corners.len());
         if self.corners > MAX_CORNERS {

@@ -257,7 +257,7 @@ impl RegionProblemKind {
     }
 }
 
-/// serde_json's error, with the word or number that stands at its place.
+/// `serde_json`'s error, with the word or number that stands at its place.
 pub(super) fn json_problem(text: &[u8], error: &serde_json::Error) -> RegionProblemKind {
     let (line, column) = (error.line(), error.column());
     let full = error.to_string();

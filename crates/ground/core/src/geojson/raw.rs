@@ -13,11 +13,11 @@ pub(super) struct RawObject {
     #[serde(rename = "type")]
     pub(super) kind: Option<String>,
     pub(super) coordinates: Option<RawCoordinates>,
-    pub(super) geometries: Option<Vec<RawObject>>,
+    pub(super) geometries: Option<Vec<Self>>,
     /// Outer `None`: no such member. `Some(None)`: null, which RFC 7946 allows.
     #[serde(default, deserialize_with = "present")]
-    pub(super) geometry: Option<Option<Box<RawObject>>>,
-    pub(super) features: Option<Vec<RawObject>>,
+    pub(super) geometry: Option<Option<Box<Self>>>,
+    pub(super) features: Option<Vec<Self>>,
     properties: Option<RawProperties>,
     id: Option<RawLabel>,
     crs: Option<serde_json::Value>,
@@ -152,7 +152,7 @@ impl<'de> Deserialize<'de> for RawLabel {
 /// Coordinates of any depth. Third and further numbers of a position are dropped while reading.
 pub(super) enum RawCoordinates {
     Position([f64; 2]),
-    List(Vec<RawCoordinates>),
+    List(Vec<Self>),
     Number(f64),
     Other(Box<str>),
     /// A list that starts as a position does and has something else in it. Boxed, so that the many

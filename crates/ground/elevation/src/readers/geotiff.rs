@@ -26,7 +26,7 @@ const PHOTOMETRIC: u16 = 262;
 /// Values of it: samples as they are, and a mask.
 const WHITE_IS_ZERO: u16 = 0;
 const BLACK_IS_ZERO: u16 = 1;
-/// Bits of NewSubfileType.
+/// Bits of `NewSubfileType`.
 const OVERVIEW: u32 = 1;
 const MASK: u32 = 4;
 /// Images of a file that are looked at: pyramids have a dozen, each with a mask.

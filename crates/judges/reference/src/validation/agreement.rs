@@ -111,7 +111,9 @@ fn vertex_order_and_whole_turns_change_nothing() {
         for (_, vertices, winding_deg) in &mut changed {
             if *winding_deg == 0.0 {
                 vertices.reverse();
-                vertices.iter_mut().for_each(|vertex| vertex[0] += 360.0);
+                for vertex in vertices.iter_mut() {
+                    vertex[0] += 360.0;
+                }
             }
         }
         let (before, after) = (locator(&rings, rule), locator(&changed, rule));

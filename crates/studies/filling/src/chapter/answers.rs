@@ -68,8 +68,9 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
         for column in (1..headings.len()).rev() {
             if rows.iter().all(|row| row.cells[column].text == SAME) {
                 headings.remove(column);
-                rows.iter_mut()
-                    .for_each(|row| drop(row.cells.remove(column)));
+                for row in &mut rows {
+                    drop(row.cells.remove(column));
+                }
             }
         }
         let caption = format!(
@@ -107,7 +108,7 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
     };
     let ties: Vec<&Case> = fills[1..].iter().copied().filter(is_tie).collect();
     let bytes = |case: &Case| case.value(GEOMETRY_BYTES);
-    let recommended = least([fastest].iter().chain(&ties), bytes).unwrap_or(fastest);
+    let recommended = least(std::iter::once(&fastest).chain(&ties), bytes).unwrap_or(fastest);
     let cell = |fill: Option<&Case>| match fill {
         Some(fill) if std::ptr::eq(fill, recommended) => Cell::name(SAME),
         Some(fill) => winner(data, fill),
@@ -149,8 +150,8 @@ fn row(data: &Data<'_>, contest: &Contest<'_, '_>) -> Option<Row> {
         winner(data, recommended),
         cell(Some(fastest)),
         ties,
-        cell(least([recommended].iter().chain(fills), bytes)),
-        cell(least([recommended].iter().chain(fills), error)),
+        cell(least(std::iter::once(&recommended).chain(fills), bytes)),
+        cell(least(std::iter::once(&recommended).chain(fills), error)),
     ];
     Some(Row::named(name, cells))
 }

@@ -42,7 +42,7 @@ pub(super) fn pairs(data: &Data<'_>) -> Vec<Block> {
         let has_any = ratios.iter().any(Option::is_some);
         has_any.then(|| Row::named(Cell::name(view.title()), cells))
     };
-    let headings = ["view"].into_iter().chain(PAIRS.map(|pair| pair.0));
+    let headings = std::iter::once("view").chain(PAIRS.map(|pair| pair.0));
     let text = format!(
         "Ratios of {}: the first over the second, paired by process, with the 95 % interval where there are \
          processes enough; below 1 the first is faster. Both as they should be used, with the full picture right.",

@@ -130,7 +130,7 @@ fn marks(found: &[Examined<'_>]) -> Table {
         "" => "as it should be used",
         set => set,
     });
-    let headings = ["layout"].into_iter().chain(headings);
+    let headings = std::iter::once("layout").chain(headings);
     let rows = rows.iter().map(|(title, by_set)| {
         let marked = |set| cell(by_set.get(set).map_or(&[], Vec::as_slice));
         Row::named(Cell::name(title), sets.iter().map(marked))

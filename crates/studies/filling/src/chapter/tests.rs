@@ -1944,8 +1944,10 @@ fn an_approximate_fill_is_shown_as_such_and_wins_nothing() {
                 ms,
             );
         }
-        let conditions: Vec<(&str, &str)> =
-            [("role", "main")].iter().chain(more).copied().collect();
+        let conditions: Vec<(&str, &str)> = std::iter::once(&("role", "main"))
+            .chain(more)
+            .copied()
+            .collect();
         for (size, ms) in [("1024", 2.0), ("2048", 3.0)] {
             let key = format!("s/globe/mask-texture/texture,size={size}");
             let case = timed(&mut run, &key, &conditions, ms);

@@ -475,8 +475,7 @@ fn columns(technique: &str) -> Vec<String> {
     let settings = found.main(Overlap::Disjoint).settings();
     let keys = settings.into_iter().map(|(key, _)| key.to_owned());
     // The first is its layout, whatever it is called there.
-    ["layout".to_owned()]
-        .into_iter()
+    std::iter::once("layout".to_owned())
         .chain(keys.skip(1))
         .collect()
 }

@@ -491,7 +491,7 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
     // Negative control: the textured fill of the same scene costs memory, a buffer and other pipelines.
     let chosen = switches("chosen", ColourWay::Xor);
     let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
-    for technique in [vertex(Switches::default())].into_iter().chain(extruded) {
+    for technique in std::iter::once(vertex(Switches::default())).chain(extruded) {
         let (plain_memory, plain, ..) = used(&dressed, technique);
         let (memory, textured, ..) = used(&dressed, with_switches(technique, chosen));
         assert_eq!(memory.texture_bytes, image_bytes);

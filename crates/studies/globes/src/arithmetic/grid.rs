@@ -228,7 +228,7 @@ pub(super) fn page() -> String {
         for height_m in HEIGHTS_M {
             let [found, fitted, closed] = nadir(n, latitude_deg, height_m);
             let off = [fitted, closed].map(|formula| per_cent(found / formula - 1.0));
-            row.extend([significant(found)].into_iter().chain(off));
+            row.extend(std::iter::once(significant(found)).chain(off));
         }
         row
     };
@@ -259,7 +259,7 @@ pub(super) fn page() -> String {
             seam.crossing_met,
             seam.untouched_met,
         ];
-        numbers([limit].into_iter().chain(counts.map(f64::from)))
+        numbers(std::iter::once(limit).chain(counts.map(f64::from)))
     });
     let headings = [
         "where U differs by",

@@ -209,7 +209,7 @@ pub(super) fn page() -> String {
             rows_of_table_2(),
         ),
     ];
-    let saved = [String::new()].into_iter().chain(
+    let saved = std::iter::once(String::new()).chain(
         steps()
             .into_iter()
             .map(|[_, share]| format!("{:.1}", 100.0 * share)),

@@ -44,7 +44,7 @@ pub(super) fn page() -> String {
             segments(&place).to_string(),
             significant(off_px(&place, 10)),
         ];
-        [name.to_owned()].into_iter().chain(figures).collect()
+        std::iter::once(name.to_owned()).chain(figures).collect()
     });
     let rows = table(&["path", "segments for ¼ px", "off with 10, px"], rows);
     format!(

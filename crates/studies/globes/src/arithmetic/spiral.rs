@@ -186,7 +186,7 @@ pub(super) fn page() -> String {
     let rows = |names: &[&str], heights: &[f64], figure: &dyn Fn(&str, f64) -> String| {
         let row = |name: &&str| {
             let figures = heights.iter().map(|height_m| figure(name, *height_m));
-            [(*name).to_owned()].into_iter().chain(figures).collect()
+            std::iter::once((*name).to_owned()).chain(figures).collect()
         };
         names.iter().map(row).collect::<Vec<Vec<String>>>()
     };

@@ -141,7 +141,9 @@ impl ByRays {
             touching.dedup();
             // A pixel at an edge may be another's in the device's picture, so it counts for all that touch it.
             if touching.len() > 1 {
-                touching.into_iter().for_each(|number| count(number, 1));
+                for number in touching {
+                    count(number, 1);
+                }
             }
             count(number, 0);
         }

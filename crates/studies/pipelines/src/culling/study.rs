@@ -286,7 +286,7 @@ impl CullOutcome {
                     }
                 }
                 None => {
-                    reasons.push("its list has a patch twice or none of the ground's".to_owned())
+                    reasons.push("its list has a patch twice or none of the ground's".to_owned());
                 }
             }
         } else if kept < needed as u64 {

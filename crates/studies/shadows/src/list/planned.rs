@@ -169,8 +169,7 @@ pub(super) fn question(job: Job) -> &'static str {
 pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>) -> PlannedCase {
     let (question, conditions, may_be_wrong) = described(job);
     let model = brought.map(|brought| is(MODEL, &brought.name));
-    let conditions = [is(QUESTION, question)]
-        .into_iter()
+    let conditions = std::iter::once(is(QUESTION, question))
         .chain(model)
         .chain(conditions);
     let samples = match job {

@@ -454,7 +454,9 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
         for process in if index % 2 == 0 { outer } else { inner } {
             let of = base.get_mut(&case).expect("the case");
             let samples = of.get_mut(&process).expect("the process");
-            samples.values_mut().for_each(|ms| *ms *= 1.08);
+            for ms in samples.values_mut() {
+                *ms *= 1.08;
+            }
         }
     }
     let found = decide(
@@ -475,7 +477,9 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
     for block in &steady.confirm {
         let of = times[0].get_mut(&case).expect("the case");
         let samples = of.get_mut(&processes(block)[1]).expect("the process");
-        samples.values_mut().for_each(|ms| *ms *= 1.08);
+        for ms in samples.values_mut() {
+            *ms *= 1.08;
+        }
     }
     let found = decide(&case, &cases(1)[0], &steady.confirm, &times, &options());
     assert_eq!(found.pace, Pace::Unknown);

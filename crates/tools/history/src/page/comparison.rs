@@ -74,11 +74,11 @@ pub fn comparison_page(of: &Comparison) -> Vec<Block> {
         (severity == Severity::Worse, rows)
     });
     if status.iter().all(|(_, rows)| rows.is_empty()) {
-        blocks.push(Block::Text("None.".to_owned()))
+        blocks.push(Block::Text("None.".to_owned()));
     } else {
-        status
-            .iter()
-            .for_each(|(is_bad, rows)| exact_table(&mut blocks, rows, *is_bad))
+        for (is_bad, rows) in &status {
+            exact_table(&mut blocks, rows, *is_bad);
+        }
     }
     let unknown: Vec<&Finding> = of.findings(Severity::Unknown, false).collect();
     let unsure = of.standing(TimeStanding::Inconclusive);

@@ -130,7 +130,7 @@ fn bits_that_are_kept_are_neither_marked_nor_tested() {
             let bits = program.commands().map(|command| match command {
                 FillCommand::Volumes { rule, .. } => match rule.operation {
                     StencilOperation::Invert { mask } => mask,
-                    other => panic!("{other:?}"),
+                    other @ StencilOperation::Count => panic!("{other:?}"),
                 },
                 FillCommand::Cover { test, .. } => test.read_mask,
                 other => panic!("{other:?}"),

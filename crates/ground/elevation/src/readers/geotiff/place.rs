@@ -139,7 +139,7 @@ pub(super) struct RasterPlace {
     pub(super) warnings: Vec<String>,
 }
 
-/// The GeoKeyDirectory with the numbers that it points to.
+/// The `GeoKeyDirectory` with the numbers that it points to.
 struct Keys {
     entries: Vec<[u16; 4]>,
     doubles: Vec<f64>,

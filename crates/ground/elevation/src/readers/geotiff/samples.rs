@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Heights of a GeoTIFF: block by block, since blocks may be missing, with all that says which samples are voids.
 //!
-//! A sample is a void where it is GDAL_NODATA or no number, where its block is missing, where an alpha band is 0, and
+//! A sample is a void where it is `GDAL_NODATA` or no number, where its block is missing, where an alpha band is 0, and
 //! where a mask is 0. Every other one is `(value × scale + offset) × unit` metres.
 
 use super::metadata::Metadata;
