@@ -213,6 +213,38 @@ impl Variant {
         self
     }
 
+    /// Whether it is one of a technique's own.
+    ///
+    /// # Errors
+    /// [`SwitchError`] of another technique's.
+    pub fn check_technique(&self, name: &str) -> Result<(), SwitchError> {
+        if self.technique == name {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "technique",
+            found: self.technique.to_owned(),
+            allowed: name.to_owned(),
+        })
+    }
+
+    /// Whether it is one of a technique that has no stencil, so that no switch of stencil fills means anything, and
+    /// that draws regions whole.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check_without_stencil(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        self.check_parts(false)?;
+        if self.switches == Switches::for_overlap(overlap) {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "technique",
+            found: format!("{} with a switch of stencil fills", self.name()),
+            allowed: format!("none of them: {} has no stencil", self.technique),
+        })
+    }
+
     /// Whether parts of regions may be left out: only of a technique that draws parts, and those that the body
     /// hides only where fragments in front of the surface count.
     ///

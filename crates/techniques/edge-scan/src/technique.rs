@@ -7,7 +7,7 @@ use terrafill_contract::{Api, GeometryBytes, OpenedBackend, Role, Targets, Techn
 use terrafill_core::RegionMesh;
 use terrafill_gpu::{OverlayBackend, shared_targets};
 use terrafill_scene::{Overlap, Scene};
-use terrafill_variant::{Parameter, SwitchError, Switches, Variant};
+use terrafill_variant::{Parameter, SwitchError, Variant};
 
 /// Name in rows.
 const NAME: &str = "edge-scan";
@@ -24,14 +24,8 @@ pub struct EdgeScanTechnique;
 
 /// The format of one of its own variants.
 fn format(variant: &Variant) -> Result<Format, SwitchError> {
-    if variant.technique() == NAME {
-        return Format::of(variant);
-    }
-    Err(SwitchError {
-        switch: "technique",
-        found: variant.technique().to_owned(),
-        allowed: NAME.to_owned(),
-    })
+    variant.check_technique(NAME)?;
+    Format::of(variant)
 }
 
 impl Technique for EdgeScanTechnique {
@@ -84,15 +78,7 @@ impl Technique for EdgeScanTechnique {
     /// No switch of a stencil fill means anything here, and regions are scanned whole.
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         format(variant)?;
-        variant.check_parts(false)?;
-        if variant.switches == Switches::for_overlap(overlap) {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "technique",
-            found: format!("{} with a switch of stencil fills", variant.name()),
-            allowed: format!("none of them: {NAME} has no stencil"),
-        })
+        variant.check_without_stencil(overlap)
     }
 
     fn bytes(

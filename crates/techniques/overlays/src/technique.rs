@@ -8,7 +8,7 @@ use terrafill_contract::{Api, GeometryBytes, OpenedBackend, Role, Targets, Techn
 use terrafill_core::RegionMesh;
 use terrafill_gpu::{OverlayBackend, SharedTargets, shared_targets};
 use terrafill_scene::{Overlap, Scene};
-use terrafill_variant::{Parameter, SwitchError, Switches, Variant};
+use terrafill_variant::{Parameter, SwitchError, Variant};
 
 type Open = fn(&SharedTargets, &Variant) -> OpenedBackend;
 
@@ -110,19 +110,6 @@ pub static MASK_TEXTURE: OverlayTechnique = OverlayTechnique {
     },
 };
 
-impl OverlayTechnique {
-    fn check_own(&self, variant: &Variant) -> Result<(), SwitchError> {
-        if variant.technique() == self.name {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "technique",
-            found: variant.technique().to_owned(),
-            allowed: self.name.to_owned(),
-        })
-    }
-}
-
 impl Technique for OverlayTechnique {
     fn name(&self) -> &'static str {
         self.name
@@ -164,17 +151,8 @@ impl Technique for OverlayTechnique {
 
     /// No switch of a stencil fill means anything here.
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
-        self.check_own(variant)?;
-        variant.check_parts(false)?;
-        if variant.switches == Switches::for_overlap(overlap) {
-            Ok(())
-        } else {
-            Err(SwitchError {
-                switch: "technique",
-                found: format!("{} with a switch of stencil fills", variant.name()),
-                allowed: format!("none of them: {} has no stencil", self.name),
-            })
-        }
+        variant.check_technique(self.name)?;
+        variant.check_without_stencil(overlap)
     }
 
     fn bytes(
@@ -183,7 +161,7 @@ impl Technique for OverlayTechnique {
         mesh: &RegionMesh,
         _is_drawn: bool,
     ) -> Result<GeometryBytes, SwitchError> {
-        self.check_own(variant)?;
+        variant.check_technique(self.name)?;
         let bytes = self.bytes.ok_or_else(|| SwitchError {
             switch: "technique",
             found: format!("{}, whose bytes follow from the view", self.name),
@@ -193,7 +171,7 @@ impl Technique for OverlayTechnique {
     }
 
     fn open(&self, targets: &Targets, variant: &Variant) -> OpenedBackend {
-        self.check_own(variant)?;
+        variant.check_technique(self.name)?;
         (self.open)(&shared_targets(targets)?, variant)
     }
 }

@@ -153,6 +153,36 @@ mod tests {
         }
     }
 
+    /// Studies that a file of claims names and nobody has: their claims would be in no report.
+    fn unknown_studies(claims: &str) -> Vec<String> {
+        let claims: toml::Table = claims.parse().expect("TOML");
+        let claims = claims["claim"].as_array().expect("claims");
+        let named = claims
+            .iter()
+            .filter_map(|claim| claim.get("study")?.as_str());
+        let is_known = |name: &&str| STUDIES.iter().any(|study| study.name() == *name);
+        named
+            .filter(|name| !is_known(name))
+            .map(str::to_owned)
+            .collect()
+    }
+
+    #[test]
+    fn every_claim_is_of_a_study_that_there_is() {
+        let papers = std::fs::read_dir("../../../papers").expect("a folder");
+        let mut files = 0;
+        for file in papers {
+            let path = file.expect("a file").path();
+            let text = std::fs::read_to_string(&path).expect("readable");
+            assert_eq!(unknown_studies(&text), [""; 0], "{}", path.display());
+            files += 1;
+        }
+        assert!(files > 0);
+        // Negative control.
+        let misspelt = "[[claim]]\nstudy = 'pipeline'\n[[claim]]\nstudy = 'balls'\n";
+        assert_eq!(unknown_studies(misspelt), ["pipeline"]);
+    }
+
     #[test]
     fn every_time_says_what_it_covers_and_no_other_figure_does() {
         let lacking = |metrics: &[Metric]| -> Vec<&'static str> {
