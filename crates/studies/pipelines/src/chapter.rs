@@ -34,7 +34,6 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         grids::SECTION,
         amplification::SECTION,
         culling::SECTION,
-        culling::COUNTED,
         culling::FLIGHT,
         cache::SECTION,
         blocks::SECTION,

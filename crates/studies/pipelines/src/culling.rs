@@ -14,5 +14,5 @@ mod on_wgpu;
 mod study;
 mod way;
 
-pub(crate) use study::groups;
-pub(crate) use way::{CullStage, VIEWS};
+pub(crate) use study::group;
+pub(crate) use way::{CullStage, RANGES, Test, VIEWS};

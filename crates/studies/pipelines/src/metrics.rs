@@ -82,7 +82,6 @@ terrafill_results::conditions! {
     "spread" = "standard deviation of depths";
     "read" = "in which order blocks of a cache are read";
     "shown" = "which picture of a shadow map";
-    "counted for" = "which test of patches is counted";
     "cells" = "squares of a height grid, each between four points";
 }
 
@@ -184,9 +183,8 @@ terrafill_results::metrics! {
     .or("nothing is kept");
     CULL_TILES = Metric::counter(
         "cull_tiles",
-        "Tiles of 256 whose box of least and greatest height meets the view.",
+        "Tiles whose box of least and greatest height meets the view.",
     );
-    CULL_IN_TILES = Metric::counter("cull_in_tiles", "Patches in those tiles.");
     CULL_NEEDED = Metric::quantity(
         "cull_needed",
         "Patches of which a cell is not wholly outside of one plane of the view, by the reference.",

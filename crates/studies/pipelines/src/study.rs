@@ -74,7 +74,7 @@ impl Study for PipelinesStudy {
         };
         let mut groups: Vec<Box<dyn Group>> = sizes.iter().map(of_size).collect();
         groups.extend(amplified.iter().map(amplify));
-        groups.extend(culling::groups(is_quick, pictures).into_iter().map(boxed));
+        groups.push(boxed(culling::group(is_quick, pictures)));
         groups.push(boxed(cache::group(is_quick, samples)));
         groups.extend(
             cache::drawn_groups(is_quick, pictures)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ground of 16 × 16 tiles with relief of ten octaves, its views, and both as a device reads them.
+//! Ground of 8 × 8 tiles with relief of ten octaves, its views, and both as a device reads them.
 //!
 //! Metres; x along columns, y along rows, z up. A cell is 30 m.
 
@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3, DVec4, IVec2};
 use std::f64::consts::TAU;
 use terrafill_shapes::grid::{Grid, GridCamera, nearest};
 
-/// A side of the ground, tiles.
-pub(crate) const TILES: u32 = 16;
+/// A side of the ground, tiles; the published number is not stated. In tiles of 256 cells there are 2²³ triangles, which
+/// a picture tells apart by 24 bits.
+pub(crate) const TILES: u32 = 8;
 /// A side of a patch, cells, as `shared/ground.wgsl` has it.
 pub(crate) const PATCH_CELLS: u32 = 8;
 /// Two triangles a cell.
@@ -227,12 +228,12 @@ mod tests {
 
     #[test]
     fn patches_of_all_tiles_are_all_patches_and_boxes_hold_their_heights() {
-        let ground = Ground::new(16);
+        let ground = Ground::new(32);
         let mut patches: Vec<u32> = (0..TILES * TILES)
             .flat_map(|tile| ground.patches_of(tile))
             .collect();
         assert_eq!(patches.len(), ground.patch_boxes.len());
-        for &tile in &[0, 17, 255] {
+        for &tile in &[0, 17, 63] {
             let [low, high] = ground.tile_boxes[tile as usize];
             let own = ground.patches_of(tile);
             let own: Vec<[f32; 2]> = own.map(|at| ground.patch_boxes[at as usize]).collect();

@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn boxes_lose_nothing_and_keep_little_and_a_wider_view_says_that_they_lose() {
-        let ground = Ground::new(32);
+        let ground = Ground::new(64);
         for kind in VIEWS {
             let view = ground.view(&kind);
             let frustum = Frustum::new(&view);
