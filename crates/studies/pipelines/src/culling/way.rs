@@ -120,14 +120,14 @@ pub(crate) const VIEWS: [ViewKind; 3] = [
 /// Seconds of the flight, as long as the published one.
 pub(crate) const FLIGHT_S: u32 = 25;
 
-/// Where the flight is after so many seconds: 25 km along the ground's diagonal, from 2 km down to 100 m and up again,
+/// Where the flight is after so many seconds: along the ground's diagonal, from 2 km down to 100 m and up again,
 /// turning by 10° a second, as its own path; the published one is not stated.
 pub(crate) fn flight(second: u32) -> ViewKind {
     let done = f64::from(second) / f64::from(FLIGHT_S);
     let low = (2.0 * done - 1.0).abs();
     ViewKind {
         name: "flight",
-        share: DVec2::splat(0.35) + DVec2::new(0.3, 0.275) * done,
+        share: DVec2::splat(0.2) + DVec2::new(0.6, 0.55) * done,
         above_m: 100.0 + 1_900.0 * low,
         angles_deg: [5.0 + 20.0 * low, 10.0 * f64::from(second), 60.0],
     }
