@@ -104,6 +104,17 @@ impl<'a> Rays<'a> {
             .collect()
     }
 
+    /// Number that the ray of a pixel's middle meets, 0 for the sky.
+    #[must_use]
+    pub fn number(&self, pixel: usize) -> u32 {
+        self.meet(self.centre(pixel)).map_or(0, |hit| hit.number)
+    }
+
+    fn centre(&self, pixel: usize) -> DVec2 {
+        let width = self.size[0] as usize;
+        DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5
+    }
+
     /// Middles of all pixels, row by row.
     pub fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
         centres(self.size)
@@ -264,10 +275,10 @@ impl<'a> Rays<'a> {
     pub fn judge_triangles(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
         let mut judged = Judged::default();
         for &(pixel, met) in truth {
-            let [width, _] = self.size.map(|size| size as usize);
-            let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
             let shown = numbers[pixel];
-            judged.add(shown, met & SHOWN, || self.may_show(corner + 0.5, shown));
+            judged.add(shown, met & SHOWN, || {
+                self.may_show(self.centre(pixel), shown)
+            });
         }
         judged
     }

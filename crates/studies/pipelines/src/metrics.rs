@@ -116,7 +116,7 @@ terrafill_results::metrics! {
     PIPELINE_DIFFERING_PX = Metric::error_px(
         "pipeline_differing_px",
         "Pixels that differ from those of the first way on the same interface with the same \
-         primitives.",
+         primitives; of culling, less those where rays allow both.",
     );
     PIPELINE_SHOWN_PX = Metric::neither(
         "pipeline_shown_px",
