@@ -2,6 +2,7 @@
 //! The chapter on balls: error against step and against time, orders, bottoms of f32, energy, findings.
 
 mod claims;
+mod craters;
 mod devices;
 mod drawn;
 mod number;
@@ -55,6 +56,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         },
         devices::SECTION,
         drawn::SECTION,
+        craters::SECTION,
     ],
     claims: Some(&claims::CLAIMS),
 };
@@ -129,6 +131,7 @@ fn answers(cases: &Cases<'_>) -> Answers {
     let mut requirements = findings(cases);
     requirements.extend(devices::findings(cases));
     requirements.extend(drawn::findings(cases));
+    requirements.extend(craters::findings(cases));
     Answers {
         blocks: blocks.into_iter().collect(),
         requirements,

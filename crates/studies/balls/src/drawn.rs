@@ -17,8 +17,7 @@ use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Request, Session, StudyError, file_stem, judged,
-    planned_case, verified, write_rgb,
+    CaseGroup, Context, Failure, Figures, Request, Session, judged, planned_case, verified,
 };
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
@@ -28,8 +27,8 @@ const MOST_DRAWN: u32 = 100_000;
 
 /// Pixels a side of a quick run that names no size: the published one is not known.
 const QUICK_SIDE_PX: u32 = 256;
-/// Balls whose picture is kept: the most that every run draws.
-const PICTURED_BALLS: u32 = 4_000;
+/// Balls of other laws, and of ground that they change: the most that every run draws.
+pub(crate) const COMPARED_BALLS: u32 = 4_000;
 
 /// Size of the request's pictures: square, of its smaller side.
 pub(crate) fn size_of(request: &Request) -> ImageSize {
@@ -49,25 +48,31 @@ struct DrawnCase {
 
 impl DrawnCase {
     fn constants(&self) -> BallConstants {
-        BallConstants {
-            step_s: f32::of(STEP_S),
-            law: self.law.number(),
-            restitution: f32::of(RESTITUTION),
-            ..constants(self.balls)
-        }
-    }
-
-    fn flight<'a>(&self, terrain: &'a Terrain) -> Flight<'a> {
-        Flight {
-            terrain,
-            law: self.law,
-            restitution: RESTITUTION,
-            step_s: STEP_S,
-        }
+        constants_over_terrain(self.balls, self.law)
     }
 }
 
-const STEP_S: f64 = 1.0 / FLIGHT_STEPS_PER_SECOND as f64;
+pub(crate) const STEP_S: f64 = 1.0 / FLIGHT_STEPS_PER_SECOND as f64;
+
+/// So many balls over terrain that are reflected by a law.
+pub(crate) fn constants_over_terrain(balls: u32, law: Law) -> BallConstants {
+    BallConstants {
+        step_s: f32::of(STEP_S),
+        law: law.number(),
+        restitution: f32::of(RESTITUTION),
+        ..constants(balls)
+    }
+}
+
+/// How balls step over terrain by a law.
+pub(crate) fn flight_over(terrain: &Terrain, law: Law) -> Flight<'_> {
+    Flight {
+        terrain,
+        law,
+        restitution: RESTITUTION,
+        step_s: STEP_S,
+    }
+}
 
 /// Balls over terrain, drawn or not.
 pub(crate) struct DrawnBalls {
@@ -100,7 +105,7 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         }
         // Other laws of what is published.
         let laws = [Law::Guarded, Law::Event];
-        cases.extend(laws.map(|law| of(law, DrawCalls::Nothing, PICTURED_BALLS)));
+        cases.extend(laws.map(|law| of(law, DrawCalls::Nothing, COMPARED_BALLS)));
     }
     let case = |case: &DrawnCase| {
         let DrawnCase {
@@ -174,8 +179,6 @@ struct BallOutcome {
     judged: JudgedBalls,
     differing: usize,
     draws: usize,
-    /// Of each pixel: its ball and 1, or 0. Empty where nothing is drawn.
-    numbers: Vec<u32>,
 }
 
 impl DrawnSession<'_> {
@@ -200,7 +203,7 @@ impl DrawnSession<'_> {
                 strayed += last.len().abs_diff(there.len());
                 (*walk, last, strayed, uploaded)
             } else {
-                let walk = walk(steps.as_mut(), &of_case.flight(&self.terrain), &balls)?;
+                let walk = walk(steps.as_mut(), &flight_over(&self.terrain, law), &balls)?;
                 let last = steps.read()?;
                 self.walked.insert((way, law, count), (walk, last.clone()));
                 (walk, last, 0, walk.uploaded)
@@ -222,7 +225,6 @@ impl DrawnSession<'_> {
             let first = self.first.entry((way, count));
             let first = first.or_insert_with(|| numbers.clone());
             found.differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
-            found.numbers = numbers;
         }
         found.uploaded = uploaded;
         found.allowed = match way {
@@ -236,25 +238,6 @@ impl DrawnSession<'_> {
         };
         self.opened.insert(case, opened);
         Ok(found)
-    }
-
-    /// The picture of one draw, where it is kept, as a note: balls dark before the sky.
-    fn picture(
-        &self,
-        case: usize,
-        found: &BallOutcome,
-    ) -> Result<Vec<(&'static str, String)>, StudyError> {
-        let DrawnBalls { ref cases, size } = self.group.work;
-        let DrawnCase { drawn, balls, .. } = cases[case];
-        if drawn != DrawCalls::All || balls != PICTURED_BALLS {
-            return Ok(Vec::new());
-        }
-        let grey = |number: &u32| if *number == 0 { [230; 3] } else { [40; 3] };
-        let pixels: Vec<u8> = found.numbers.iter().flat_map(grey).collect();
-        let stem = file_stem(&format!("{STUDY}-{}", self.group.cases[case].id.name));
-        let size = [size.width, size.height];
-        let path = write_rgb(self.context.folder, &stem, size, &pixels)?;
-        Ok(vec![("picture", path)])
     }
 }
 
@@ -321,8 +304,7 @@ impl Session for DrawnSession<'_> {
             figures.push(("ball_mismatched_px", found.judged.mismatched as f64));
             figures.push(("ball_differing_px", found.differing as f64));
         }
-        let notes = self.picture(case, &found)?;
-        Ok(judged(reason, figures, notes))
+        Ok(judged(reason, figures, Vec::new()))
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
@@ -397,13 +379,15 @@ mod tests {
             let (Ok(mut steps), Ok(mut other)) = (open(&terrain), open(&exchanged)) else {
                 continue;
             };
-            let right = walk(steps.as_mut(), &case.flight(&terrain), &first).expect("steps");
+            let right =
+                walk(steps.as_mut(), &flight_over(&terrain, case.law), &first).expect("steps");
             assert_eq!(right.reason(), "", "{way:?}");
-            let wrong = walk(other.as_mut(), &case.flight(&terrain), &first).expect("steps");
+            let wrong =
+                walk(other.as_mut(), &flight_over(&terrain, case.law), &first).expect("steps");
             assert!(wrong.reason().contains("from f64"), "{way:?}: {wrong:?}");
             let law = Flight {
                 law: Law::Guarded,
-                ..case.flight(&terrain)
+                ..flight_over(&terrain, case.law)
             };
             let wrong = walk(open(&terrain).expect("opens").as_mut(), &law, &first);
             let wrong = wrong.expect("steps");

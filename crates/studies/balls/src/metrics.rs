@@ -7,6 +7,7 @@ terrafill_results::conditions! {
     shared PART, SIZE_PX;
     ARITHMETIC = "arithmetic", "f64, f32, or f32 with compensated sums";
     BALLS = "balls", "how many balls fall at once";
+    CRATER_WAY = "crater_way", "how first impacts of balls change the layers of the ground";
     DRAWN = "drawn", "how balls are drawn: not at all, in one draw, or in one each";
     GROUND = "ground", "what balls fall on";
     INTEGRATOR = "integrator", "how a ball is taken one step further";
@@ -30,6 +31,8 @@ terrafill_results::conditions! {
     "inwards-only" = "the same, only where the velocity leads into the ground";
     "at-event" = "reflected where the ball met the ground, from which it flies on for the rest of the step";
     "one-thread" = "balls stepped by one thread of the CPU, which writes them for the device to draw";
+    "drawn-into-layers" = "a pass a layer takes the craters of a step off its heights";
+    "written-by-cpu" = "the CPU reads the balls, computes their craters, and writes the layers that they strike";
     "exact-event" = "the step cut at the time at which the parabola meets the surface";
     "f32" = "single precision";
     "rms" = "root mean square";
@@ -144,9 +147,28 @@ terrafill_results::metrics! {
         "",
         "Share of the balls that are more than 25 cm below the ground at the end.",
     );
+    BALL_STRIKES = Metric::quantity("ball_strikes", "First impacts of balls, which make craters.");
+    BALL_STRIKES_DIFFERING = Metric::error(
+        "ball_strikes_differing",
+        "",
+        "Balls that meet the ground first in another step than in f64, though rounding does not decide it.",
+    );
+    BALL_BOUNCES_ON_CRATERS = Metric::quantity(
+        "ball_bounces_on_craters",
+        "Reflections of balls by ground that a crater had changed before.",
+    );
+    BALL_CRATER_M = metres(
+        "ball_crater_m",
+        "Largest difference of a height after a step from that of f64 after the same step.",
+    );
+    BALL_CRATER_TORN = Metric::error(
+        "ball_crater_torn",
+        "",
+        "Heights that differ between blocks that share them.",
+    );
     BALL_MISMATCHED_PX = Metric::error_px(
         "ball_mismatched_px",
-        "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
+        "Pixels that show another ball, or other ground, than the reference allows, outside of the band of 1/32 pixel.",
     );
     BALL_DIFFERING_PX = Metric::error_px(
         "ball_differing_px",

@@ -4,7 +4,7 @@
 use crate::STUDY;
 use crate::arithmetic::Real as _;
 use crate::closed_form::GRAVITY;
-use crate::flight::Law;
+use crate::flight::{CRATER_DEPTH, CRATER_S, Law};
 use crate::integrator::{Ball, Forces, Integrator, step};
 use crate::metrics::{BALLS, INTERFACE, PART, WAY};
 use crate::stepping::Stepping;
@@ -71,7 +71,9 @@ pub(crate) fn constants(count: u32) -> BallConstants {
         blocks: BLOCKS,
         law: Law::Published.number(),
         restitution: 0.0,
-        padding: [0; 3],
+        crater_s: f32::of(CRATER_S),
+        crater_depth: f32::of(CRATER_DEPTH),
+        padding: 0,
     }
 }
 

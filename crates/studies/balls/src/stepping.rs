@@ -75,19 +75,22 @@ impl Stepping {
     }
 }
 
-struct OnWgpu {
-    gpu: Arc<terrafill_gpu::Gpu>,
-    states: [wgpu::Buffer; 2],
+pub(crate) struct OnWgpu {
+    pub(crate) gpu: Arc<terrafill_gpu::Gpu>,
+    pub(crate) states: [wgpu::Buffer; 2],
+    /// As [`BallConstants`], and blocks of the terrain, which may be drawn into.
+    pub(crate) constants: wgpu::Buffer,
+    pub(crate) heights: Option<wgpu::Texture>,
     /// From the first state, from the second.
     bound: [wgpu::BindGroup; 2],
     pipeline: wgpu::ComputePipeline,
     groups: u32,
-    current: usize,
+    pub(crate) current: usize,
     timer: Option<PassTimer>,
 }
 
 impl OnWgpu {
-    fn new(
+    pub(crate) fn new(
         devices: &Devices,
         constants: &BallConstants,
         balls: &[State],
@@ -119,9 +122,12 @@ impl OnWgpu {
             multisampled: false,
         }));
         let layout = gpu.mixed_layout("balls", types.into_iter().map(|ty| (stage, ty)));
+        let views = heights
+            .as_ref()
+            .map(|of| of.create_view(&Default::default()));
         let bound = [(&first, &second), (&second, &first)].map(|(from, to)| {
             let buffers = [&constants, from, to].map(wgpu::Buffer::as_entire_binding);
-            let heights = heights.iter().map(wgpu::BindingResource::TextureView);
+            let heights = views.iter().map(wgpu::BindingResource::TextureView);
             gpu.bind("balls", &layout, buffers.into_iter().chain(heights))
         });
         let module = gpu.shader(step_shader(terrain))?;
@@ -130,16 +136,16 @@ impl OnWgpu {
             timer: PassTimer::new(&gpu),
             gpu,
             states: [first, second],
+            constants,
+            heights,
             bound,
             groups: groups(balls),
             current: 0,
         })
     }
-}
 
-impl Steps for OnWgpu {
-    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
-        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+    /// Records steps, with their time where the device keeps it.
+    pub(crate) fn record(&mut self, encoder: &mut wgpu::CommandEncoder, count: u32) {
         let timer = self.timer.as_ref();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("step balls"),
@@ -151,7 +157,13 @@ impl Steps for OnWgpu {
             pass.dispatch_workgroups(self.groups, 1, 1);
             self.current = 1 - self.current;
         }
-        drop(pass);
+    }
+}
+
+impl Steps for OnWgpu {
+    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.record(&mut encoder, count);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()
     }
@@ -181,35 +193,44 @@ impl Steps for OnWgpu {
 }
 
 /// The terrain's blocks as layers of an array texture.
-fn layers(gpu: &terrafill_gpu::Gpu, terrain: &Terrain) -> Result<wgpu::TextureView, DeviceError> {
+fn layers(gpu: &terrafill_gpu::Gpu, terrain: &Terrain) -> Result<wgpu::Texture, DeviceError> {
     let limit = gpu.device.limits().max_texture_array_layers;
-    let depth_or_array_layers = BLOCKS * BLOCKS;
-    DeviceError::check_capacity("layers of an array texture", depth_or_array_layers, limit)?;
-    let size = wgpu::Extent3d {
-        width: SAMPLES,
-        height: SAMPLES,
-        depth_or_array_layers,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("blocks of terrain"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::R32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let heights = terrain.blocks.concat();
+    let layers = BLOCKS * BLOCKS;
+    DeviceError::check_capacity("layers of an array texture", layers, limit)?;
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::RENDER_ATTACHMENT
+        | wgpu::TextureUsages::COPY_SRC
+        | wgpu::TextureUsages::COPY_DST;
+    let size = [SAMPLES, SAMPLES, layers];
+    let format = wgpu::TextureFormat::R32Float;
+    let texture = gpu.texture("blocks of terrain", size, 1, format, usage);
+    for (layer, heights) in (0..).zip(&terrain.blocks) {
+        write_layer(gpu, &texture, layer, heights);
+    }
+    Ok(texture)
+}
+
+/// Writes heights of a block; done when the device next is.
+pub(crate) fn write_layer(
+    gpu: &terrafill_gpu::Gpu,
+    texture: &wgpu::Texture,
+    layer: u32,
+    heights: &[f32],
+) {
+    let mut place = texture.as_image_copy();
+    place.origin.z = layer;
     let rows = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(4 * SAMPLES),
         rows_per_image: Some(SAMPLES),
     };
-    let bytes = bytemuck::cast_slice(&heights);
-    let place = texture.as_image_copy();
+    let size = wgpu::Extent3d {
+        width: SAMPLES,
+        height: SAMPLES,
+        depth_or_array_layers: 1,
+    };
+    let bytes = bytemuck::cast_slice(heights);
     gpu.queue.write_texture(place, bytes, rows, size);
-    Ok(texture.create_view(&Default::default()))
 }
 
 /// The same on Vulkan.

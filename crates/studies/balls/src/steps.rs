@@ -24,7 +24,10 @@ pub(crate) struct BallConstants {
     pub(crate) law: u32,
     /// Share of the speed along the normal that a reflection leaves.
     pub(crate) restitution: f32,
-    pub(crate) padding: [u32; 3],
+    /// Radius of a crater over the speed of the ball that strikes, seconds, and its depth over its radius.
+    pub(crate) crater_s: f32,
+    pub(crate) crater_depth: f32,
+    pub(crate) padding: u32,
 }
 
 /// Balls on a device.

@@ -5,7 +5,7 @@ use crate::chapter::CHAPTER;
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY};
 use crate::integrator::Integrator;
 use crate::metrics::*;
-use crate::{STUDY, drawn, on_devices};
+use crate::{STUDY, craters, drawn, on_devices};
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{ConditionKey, PlannedCase, Status, Verdict};
@@ -54,6 +54,7 @@ impl Study for BallsStudy {
                 )),
                 Box::new(on_devices::group(counts, samples)),
                 Box::new(drawn::group(counts, size, samples)),
+                Box::new(craters::group(&craters::COUNTS, size, samples)),
             ],
             ..Planned::default()
         })

@@ -23,7 +23,9 @@ pub(crate) const CELLS: u32 = 256;
 pub(crate) const SAMPLES: u32 = CELLS + 1;
 /// A side of a cell.
 pub(crate) const CELL_M: f64 = 0.25;
-const SIDE_M: f64 = 256.0;
+pub(crate) const SIDE_M: f64 = 256.0;
+/// Of shares of a cell, and of lengths of a ray.
+const SLACK: f64 = 1e-9;
 /// No ball begins nearer to the terrain's border: in a second none flies as far.
 const MARGIN_M: f64 = 8.0;
 /// Balls begin as high as this above the ground, metres, and as fast as this at most, metres a second.
@@ -76,7 +78,7 @@ impl Terrain {
     }
 
     /// A cell's surface: the height is `a + b x + c y + d x y` of shares of the cell.
-    fn surface(&self, cell: DVec2) -> [f64; 4] {
+    pub(crate) fn surface(&self, cell: DVec2) -> [f64; 4] {
         let [x, y] = cell.to_array().map(whole);
         let block = &self.blocks[(y / CELLS * BLOCKS + x / CELLS) as usize];
         let side = SAMPLES as usize;
@@ -105,32 +107,53 @@ impl Terrain {
     ///
     /// - `ball`: place and velocity
     pub(crate) fn meets(&self, ball: &[DVec3; 2], within_s: f64) -> Option<f64> {
-        let [place, velocity] = *ball;
-        let mut cell = Self::cell_of(place.truncate());
-        let mut now = 0.0_f64;
-        loop {
-            let mut until = within_s;
-            let mut onward = DVec2::ZERO;
-            for axis in [DVec2::X, DVec2::Y] {
-                let speed = velocity.truncate().dot(axis);
-                let border = (cell.dot(axis) + f64::from(speed > 0.0)) * CELL_M;
-                let leaves = (border - place.truncate().dot(axis)) / speed;
-                if speed.abs() > 0.0 && leaves < until {
-                    until = leaves;
-                    onward = axis * speed.signum();
-                }
-            }
-            let until = until.max(now);
-            if let Some(time) = first_at_or_below(self.gap(cell, ball), now, until) {
-                return Some(time);
-            }
-            now = until;
-            cell += onward;
-            let is_there = Self::cell_of((cell + 0.5) * CELL_M) == cell;
-            if onward == DVec2::ZERO || !is_there {
-                return None;
-            }
-        }
+        let first =
+            |cell, [now, until]: [f64; 2]| first_at_or_below(self.gap(cell, ball), now, until);
+        walk(ball, [0.0, within_s], first)
+    }
+
+    /// The first triangle of cells as they are drawn, cut from the right sample to the one below, on a ray: its number
+    /// from 0, and how many times the direction long the ray is. `None` where it meets none.
+    ///
+    /// - `ray`: an eye outside of the terrain, and a direction
+    /// - `within`: between which lengths the ray is over the terrain
+    pub(crate) fn triangle(&self, ray: &[DVec3; 2], within: [f64; 2]) -> Option<(u32, f64)> {
+        walk(ray, within, |cell, reach| {
+            let [a, b, c, d] = self.surface(cell);
+            let [at, by] = [
+                ray[0].truncate() / CELL_M - cell,
+                ray[1].truncate() / CELL_M,
+            ];
+            let meet = |half: u32, [base, across, down]: [f64; 3]| {
+                let gap = ray[0].z - base - across * at.x - down * at.y;
+                let length = gap / (across * by.x + down * by.y - ray[1].z);
+                let place = at + length * by;
+                // Rounding must not open a crack between halves or cells.
+                let is_inside = length >= reach[0] - SLACK && length <= reach[1] + SLACK;
+                let beyond_cut = place.x + place.y - 1.0;
+                let is_own = if half == 0 { beyond_cut } else { -beyond_cut } <= SLACK;
+                (is_inside && is_own).then_some((half, length))
+            };
+            let halves = [meet(0, [a, b, c]), meet(1, [a - d, b + d, c + d])];
+            let (half, length) = halves
+                .into_iter()
+                .flatten()
+                .min_by(|one, other| one.1.total_cmp(&other.1))?;
+            let [x, y] = cell.to_array().map(whole);
+            Some((2 * (y * BLOCKS * CELLS + x) + half, length))
+        })
+    }
+
+    /// Corners of a triangle of [`Self::triangle`], metres.
+    pub(crate) fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let (cell, half) = (triangle / 2, f64::from(triangle % 2));
+        let [x, y] = [cell % (BLOCKS * CELLS), cell / (BLOCKS * CELLS)].map(f64::from);
+        let [a, b, c, d] = self.surface(DVec2::new(x, y));
+        let corner = |[across, down]: [f64; 2]| {
+            let height = a + b * across + c * down + d * across * down;
+            (CELL_M * DVec2::new(x + across, y + down)).extend(height)
+        };
+        [[1.0, 0.0], [0.0, 1.0], [half, half]].map(corner)
     }
 
     /// Gap of a ball in free flight over a cell's surface: coefficients of time, its square last.
@@ -164,6 +187,42 @@ impl Terrain {
     }
 }
 
+/// Visits the cells below a path one after the other, with the times at which it enters and leaves each, until one
+/// answers or it leaves the terrain.
+///
+/// - `path`: place and velocity; what bends it vertically does not matter
+fn walk<T>(
+    [place, velocity]: &[DVec3; 2],
+    [mut now, end]: [f64; 2],
+    mut visit: impl FnMut(DVec2, [f64; 2]) -> Option<T>,
+) -> Option<T> {
+    let [place, velocity] = [place.truncate(), velocity.truncate()];
+    let mut cell = Terrain::cell_of(place + now * velocity);
+    loop {
+        let mut until = end;
+        let mut onward = DVec2::ZERO;
+        for axis in [DVec2::X, DVec2::Y] {
+            let speed = velocity.dot(axis);
+            let border = (cell.dot(axis) + f64::from(speed > 0.0)) * CELL_M;
+            let leaves = (border - place.dot(axis)) / speed;
+            if speed.abs() > 0.0 && leaves < until {
+                until = leaves;
+                onward = axis * speed.signum();
+            }
+        }
+        let until = until.max(now);
+        if let Some(found) = visit(cell, [now, until]) {
+            return Some(found);
+        }
+        now = until;
+        cell += onward;
+        let is_there = Terrain::cell_of((cell + 0.5) * CELL_M) == cell;
+        if onward == DVec2::ZERO || !is_there {
+            return None;
+        }
+    }
+}
+
 /// First time from `now` to `until` at which a quadratic is not above 0.
 fn first_at_or_below([constant, linear, square]: [f64; 3], now: f64, until: f64) -> Option<f64> {
     let at = |time: f64| constant + time * (linear + time * square);
@@ -186,7 +245,7 @@ fn first_at_or_below([constant, linear, square]: [f64; 3], now: f64, until: f64)
     clippy::cast_possible_truncation,
     reason = "not negative, and at most some thousands"
 )]
-fn whole(place: f64) -> u32 {
+pub(crate) fn whole(place: f64) -> u32 {
     place as u32
 }
 
@@ -200,7 +259,7 @@ pub(crate) struct BallView {
 }
 
 /// 60°, which hold the whole terrain.
-const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
+pub(crate) const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
 const NEAR_M: f64 = 1.0;
 
 impl BallView {
@@ -214,6 +273,12 @@ impl BallView {
             up: right.cross(forward),
             forward,
         }
+    }
+
+    /// Eye and direction of the ray through a place of a picture; the direction's part along the view's axis is 1.
+    pub(crate) fn ray(&self, at_px: DVec2, size: [u32; 2]) -> [DVec3; 2] {
+        let at = TAN_HALF_VIEW * (2.0 * at_px / DVec2::from(size.map(f64::from)) - 1.0);
+        [self.eye, self.forward + at.x * self.right - at.y * self.up]
     }
 
     /// Place on a picture, pixels, and distance along the view's axis.

@@ -76,7 +76,7 @@ pub(crate) struct Walk {
 }
 
 /// What is larger; what is no number stays.
-fn most(one: f64, other: f64) -> f64 {
+pub(crate) fn most(one: f64, other: f64) -> f64 {
     if one.is_nan() || one > other {
         one
     } else {

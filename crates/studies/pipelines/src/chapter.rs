@@ -37,7 +37,6 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
         culling::FLIGHT,
         cache::SECTION,
         blocks::SECTION,
-        blocks::CRATERED,
         lights::SECTION,
         meshes::PATCHES,
         meshes::IMAGES,
@@ -97,7 +96,6 @@ fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
     findings.extend(amplification::bytes_finding(cases));
     findings.extend(culling::requirements(cases));
     findings.extend(cache::requirement(cases));
-    findings.extend(blocks::requirement(cases));
     findings.extend(lights::requirement(cases));
     findings.extend(meshes::requirements(cases));
     findings.extend(layered::requirements(cases));

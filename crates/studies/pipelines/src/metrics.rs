@@ -8,8 +8,6 @@ terrafill_results::conditions! {
     ACCESS = "access", "in which order blocks of a cache are read";
     BLOCKS = "blocks", "how many blocks a cache holds";
     CELLS_PER_POINT = "cells_per_point", "cells that the geometry shader makes of each point";
-    CRATER_WAY = "crater_way", "how craters come into the layers of an array texture";
-    CRATERS = "craters", "how many craters strike the ground at once";
     CUT = "cut", "how the cells of a geometry image are cut: as published, or along the folds of its octahedron";
     DECLARED = "declared", "vertices that the geometry shader declares at most";
     DEPTH = "depth", "format of the depths that variances are made of";
@@ -54,8 +52,6 @@ terrafill_results::conditions! {
     "tessellation" = "the tessellation stages divide a patch";
     "tiles-alone" = "no patch is left out: all of the tiles in view are drawn";
     "compute" = "compute makes the list of patches, and says how many are drawn";
-    "drawn-into-layers" = "a pass draws each struck layer anew from a copy of it, less the craters";
-    "written-by-cpu" = "the CPU writes each struck layer anew";
     "rebound" = "a texture a block, bound for its own draw";
     "one-depth" = "the depth of one texel is compared";
     "25-depths-compared" = "the share of 5 × 5 texels whose depth does not hide the place";
@@ -224,18 +220,12 @@ terrafill_results::metrics! {
         "",
         "The same of other texels that are held against rays.",
     );
-    CRATER_ERROR_M = Metric::error(
-        "crater_error_m",
-        "m",
-        "Largest difference of a height from the same craters in f64.",
-    );
-    CRATER_STRAYED = Metric::error(
-        "crater_strayed",
+    CUBE_COLOUR_WRONG = Metric::error(
+        "cube_colour_wrong",
         "",
-        "Heights that changed though no crater reaches them, or that differ between blocks that share them.",
+        "Texels of a cube's faces, of all that are held against rays, whose colour is not that of the triangle that a ray \
+         within 1/32 texel meets.",
     );
-    CRATER_STRUCK = Metric::quantity("crater_struck", "Heights that craters reach.");
-    CRATER_LAYERS = Metric::quantity("crater_layers", "Layers that craters reach.");
     CACHE_DIFFERING = Metric::error(
         "cache_differing",
         "",
@@ -273,7 +263,7 @@ terrafill_results::metrics! {
     LIGHTS_DEPTHS_DIFFERING = Metric::error(
         "lights_depths_differing",
         "",
-        "Depths of all maps whose bits differ from those of a pass a light.",
+        "Depths of all maps, and colours of a cube's faces, whose bits differ from those of a pass a light or face.",
     );
     LIGHTS_MAP_ERROR = Metric::error(
         "lights_map_error",

@@ -81,7 +81,6 @@ impl Study for PipelinesStudy {
                 .into_iter()
                 .map(boxed),
         );
-        groups.push(boxed(cache::crater_group(is_quick, pictures)));
         groups.extend(lights::groups(is_quick, pictures).into_iter().map(boxed));
         groups.extend(meshes::patches(request, samples).into_iter().map(boxed));
         groups.push(boxed(meshes::image(request, samples)));

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ground drawn from its blocks, and craters written into them.
+//! Ground drawn from its blocks.
 
-use super::kit::{TIME, beside, compared, counter, gain, of_most, ratios, remark, said, time};
-use crate::cache::{CraterWay, Keep};
+use super::kit::{TIME, beside, counter, gain, of_most, ratios, remark, said, time};
+use crate::cache::Keep;
 use crate::metrics::*;
-use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
+use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_plot::number::significant;
-use terrafill_results::{Claim, Finding, Outcome};
 
 const WHAT_REBINDING_IS: &str = "A texture a block is what came before arrays: each block is a draw of its own, with its texture bound before it, all \
      in one pass. All others are one draw, whose vertex shader finds layer, slice, texel or texture from column and row. \
@@ -43,69 +42,6 @@ pub(super) const SECTION: Section<'static> = Section {
     more: &[|_| remark(WHAT_REBINDING_IS)],
     ..Section::EMPTY
 };
-
-pub(super) const CRATERED: Section<'static> = Section {
-    title: "Craters where balls strike",
-    caption: "Craters written into the layers of an array texture, on wgpu",
-    text: "Craters of 20 to 60 m radius are let into ground of 4 × 4 blocks. A pass draws each struck layer from a copy of \
-           it, less the craters that reach it; or the CPU computes the layer and writes it. Heights are then held \
-           against the same craters in f64, at borders in both blocks, and the ground is drawn from its layers and held \
-           against rays over them. A time is that of all craters once, without drawing the ground.",
-    cases: Select::With(EXPERIMENT, "craters"),
-    findings: &[faster],
-    named_by: Names::Columns(&[("craters", CRATERS), ("by", CRATER_WAY)]),
-    columns: &[
-        Column::of("time, ms", FRAME),
-        Column::metric("GPU ms", PIPELINE_GPU_MS)
-            .or("the CPU writes outside of what the GPU times"),
-        Column::metric("sent", PIPELINE_SENT_BYTES),
-        Column::metric("layers", CRATER_LAYERS),
-        Column::metric("heights struck", CRATER_STRUCK),
-        Column::metric("largest error, m", CRATER_ERROR_M),
-        Column::metric("strayed or torn", CRATER_STRAYED),
-        Column::metric("wrong pixels", PIPELINE_MISMATCHED_PX),
-    ],
-    pictures: &[("picture", "")],
-    ..Section::EMPTY
-};
-
-/// The CPU's part of a frame of craters is outside of what the GPU times.
-const FRAME: Figure = super::kit::FRAME;
-
-fn faster(cases: &Cases<'_>) -> Finding {
-    let ways = [CraterWay::Written, CraterWay::Drawn].map(CraterWay::name);
-    let pairs = cases.pairs(CRATER_WAY, ways, &[]);
-    let claim =
-        "Craters are drawn into layers faster than the CPU writes the layers anew:".to_owned();
-    let time = (super::kit::frame_time(cases.clock()), super::kit::WHOLE);
-    compared(
-        cases,
-        (CRATER_WAY, &[]),
-        time,
-        &pairs,
-        (claim, Claim::Faster),
-    )
-}
-
-/// What is required: heights are those of `f64`, at borders too.
-pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
-    let own = cases.with(&[(EXPERIMENT, "craters")]);
-    let far = own
-        .greatest(CRATER_ERROR_M)
-        .zip(own.greatest(CRATER_STRAYED));
-    let wrong = own
-        .iter()
-        .any(|case| ![Outcome::Ok, Outcome::Skipped].contains(&case.outcome));
-    (!own.is_empty()).then(|| {
-        finding(
-            "Craters in layers are those of f64, and blocks that share heights have the same:",
-            far.map(|(_, strayed)| !wrong && strayed <= 0.0),
-            far.map_or_else(String::new, |(far, strayed)| {
-                format!("at most {} m off, {strayed} strayed", significant(far))
-            }),
-        )
-    })
-}
 
 /// From what the most blocks are drawn fastest.
 pub(super) fn recommended(cases: &Cases<'_>) -> Vec<String> {

@@ -14,27 +14,19 @@ use terrafill_scene::ImageSize;
 
 /// Ground on wgpu.
 pub(super) struct OnWgpu {
-    pub(super) gpu: Arc<Gpu>,
+    gpu: Arc<Gpu>,
     targets: RenderTargets,
     pipeline: wgpu::RenderPipeline,
     /// What each draw finds, and its vertices.
     draws: Vec<(wgpu::BindGroup, Range<u32>)>,
-    /// What holds the blocks: one, or one each.
-    pub(super) textures: Vec<wgpu::Texture>,
 }
 
-/// Of blocks that may be drawn into, copied, written and read back.
-pub(super) fn texture(
+/// Of blocks.
+fn texture(
     gpu: &Gpu,
     [width, height, depth_or_array_layers]: [u32; 3],
     dimension: wgpu::TextureDimension,
 ) -> wgpu::Texture {
-    let mut usage = wgpu::TextureUsages::TEXTURE_BINDING
-        | wgpu::TextureUsages::COPY_DST
-        | wgpu::TextureUsages::COPY_SRC;
-    if dimension == wgpu::TextureDimension::D2 {
-        usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
-    }
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("blocks"),
         size: wgpu::Extent3d {
@@ -46,19 +38,13 @@ pub(super) fn texture(
         sample_count: 1,
         dimension,
         format: wgpu::TextureFormat::R32Float,
-        usage,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     })
 }
 
 /// Writes heights of a block; done when the device next is.
-pub(super) fn write(
-    gpu: &Gpu,
-    texture: &wgpu::Texture,
-    [x, y, z]: [u32; 3],
-    side: u32,
-    heights: &[f32],
-) {
+fn write(gpu: &Gpu, texture: &wgpu::Texture, [x, y, z]: [u32; 3], side: u32, heights: &[f32]) {
     let place = wgpu::TexelCopyTextureInfo {
         origin: wgpu::Origin3d { x, y, z },
         ..texture.as_image_copy()
@@ -171,7 +157,6 @@ impl OnWgpu {
             })?,
             draws: draws.collect(),
             gpu: Arc::clone(gpu),
-            textures,
         })
     }
 

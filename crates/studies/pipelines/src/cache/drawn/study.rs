@@ -26,7 +26,7 @@ const QUICK_GROUNDS: [[u32; 2]; 1] = [[4, 32]];
 const RAYS: usize = 1 << 16;
 
 /// Every so many pixels of a picture are held against rays.
-pub(super) fn ray_every(size: ImageSize) -> usize {
+fn ray_every(size: ImageSize) -> usize {
     let pixels = size.width as usize * size.height as usize;
     // Odd, so that columns are not left out.
     (pixels / RAYS).max(1) | 1
