@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // Study `pipelines`: one invocation copies a triangle into the layers of all LIGHTS, as published in 2007, or of a
-// list's layers, at most COPIES of them; or with INVOCATIONS into the layer of its own number.
+// list's layers, at most COPIES of them; or with INVOCATIONS into the layer of its own number. With NUMBERED it hands on
+// the triangle's number.
 #ifdef LIGHTS
 #define COPIES LIGHTS
 #endif
@@ -25,6 +26,9 @@ out gl_PerVertex {
 void copy(uint light) {
     for (uint vertex = 0u; vertex < 3u; ++vertex) {
         gl_Layer = int(light);
+#ifdef NUMBERED
+        gl_PrimitiveID = gl_PrimitiveIDIn;
+#endif
         gl_Position = seen_by(light, place[vertex]);
         EmitVertex();
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pipelines that draw depth alone into maps in layers, and their draws.
+//! Pipelines that draw depth, and colours where maps have them, into layers, and their draws.
 
 use crate::draw_pipeline::check_output;
 use crate::layered::LayerPass;
@@ -11,19 +11,21 @@ use ash::vk;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, SurfaceLook};
 
-/// Compiled shaders that draw depth alone.
+/// Compiled shaders that draw into layers.
 #[derive(Debug)]
 pub struct LayerPipeline {
     pipeline: OwnedPipeline,
     resources: Arc<Resources>,
     by: LayersBy,
     views: u32,
+    has_colour: bool,
 }
 
 impl LayerPipeline {
     /// Makes a pipeline for maps of this kind. Vertices are numbers, three a triangle.
     ///
     /// - `vertex`: SPIR-V that was compiled beforehand, by its name
+    /// - `fragment`: likewise, of maps with colours
     /// - `chooses_layer`: the vertex shader does
     ///
     /// # Errors
@@ -36,28 +38,42 @@ impl LayerPipeline {
         resources: &Arc<Resources>,
         vertex: &'static str,
         geometry: Option<GeometryOutput>,
+        fragment: Option<&'static str>,
         chooses_layer: bool,
     ) -> Result<Self, DeviceError> {
         let are_own = resources.is_on(gpu) && maps.image.is_on(gpu);
         gpu.require(are_own, "resources of another device")?;
         let can_choose = !chooses_layer || gpu.facts.features.vertex_layer;
         gpu.require(can_choose, "VK_EXT_shader_viewport_index_layer")?;
+        let has_colour = maps.colours.is_some();
+        let fits = fragment.is_some() == has_colour;
+        gpu.require(
+            fits,
+            "colours of layers by a pipeline of depth alone, or depth by one of colours",
+        )?;
         let stage = |flag, name| ShaderStage::new(gpu, flag, ModuleKey::Compiled(name), "main");
         let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)?];
         if let Some(output) = geometry {
             check_output(gpu, output)?;
             stages.push(stage(vk::ShaderStageFlags::GEOMETRY, output.name)?);
         }
+        if let Some(fragment) = fragment {
+            stages.push(stage(vk::ShaderStageFlags::FRAGMENT, fragment)?);
+        }
+        let blends = [vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA)];
         let depth = depth_stencil(PipelineState::Surface(SurfaceLook::default()));
         Ok(Self {
             pipeline: Assembly {
                 stages: &stages,
+                blends: &blends[..usize::from(has_colour)],
                 ..Assembly::new(resources.layout(), maps.render_pass.raw, depth)
             }
             .create(gpu)?,
             resources: Arc::clone(resources),
             by: maps.by,
             views: maps.views,
+            has_colour,
         })
     }
 }
@@ -77,7 +93,8 @@ impl LayeredDepth {
         measured: Measured,
     ) -> Result<DirectReport, DeviceError> {
         let gpu = &self.gpu;
-        let is_alike = (pipeline.by, pipeline.views) == (self.by, self.views);
+        let own = (self.by, self.views, self.colours.is_some());
+        let is_alike = (pipeline.by, pipeline.views, pipeline.has_colour) == own;
         let fits = pipeline.pipeline.is_on(gpu) && is_alike;
         gpu.require(fits, "drawing depth maps by a pipeline of another kind")?;
         // A pass of several views takes as many queries.
@@ -135,9 +152,13 @@ impl LayeredDepth {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        let clears = [vk::ClearValue {
-            depth_stencil: vk::ClearDepthStencilValue::default(),
-        }];
+        // Colours are cleared to 0 too, and ignored where maps have none.
+        let clears = [
+            vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue::default(),
+            },
+            vk::ClearValue::default(),
+        ];
         let begin = vk::RenderPassBeginInfo::default()
             .render_pass(self.render_pass.raw)
             .framebuffer(pass.framebuffer.raw)

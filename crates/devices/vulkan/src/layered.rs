@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Depth maps in the layers of one image. They are drawn one after the other, all at once by a stage that chooses
+//! Depth maps in the layers of one image, with colours in those of another where they are asked for. They are drawn one after the other, all at once by a stage that chooses
 //! the layer, or some at once as views of one draw.
 
 use crate::Gpu;
@@ -13,6 +13,7 @@ use std::sync::Arc;
 use terrafill_contract::DeviceError;
 
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 const TEXEL_BYTES: u64 = 4;
 /// In which maps are left, for shaders.
 const READABLE: vk::ImageLayout = vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL;
@@ -33,15 +34,26 @@ pub enum LayersBy {
 pub(crate) struct LayerPass {
     pub(crate) framebuffer: Owned<vk::Framebuffer>,
     pub(crate) first: u32,
-    /// The framebuffer is of it.
-    _view: Owned<vk::ImageView>,
+    /// The framebuffer is of them.
+    _views: Vec<Owned<vk::ImageView>>,
 }
 
-/// Square depth maps, cleared to 0 before each draw, of which the greatest depth stays.
+/// What layers hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LayerContents {
+    /// Depths alone.
+    Depth,
+    /// Depths, and colours of four bytes.
+    DepthAndColour,
+}
+
+/// Square depth maps, cleared to 0 before each draw, of which the greatest depth stays; and its colour, where maps have
+/// colours.
 #[derive(Debug)]
 pub struct LayeredDepth {
     pub(crate) gpu: Arc<Gpu>,
     pub(crate) image: Image,
+    pub(crate) colours: Option<Image>,
     pub(crate) by: LayersBy,
     /// Layers that a pass draws into as views.
     pub(crate) views: u32,
@@ -62,6 +74,7 @@ impl LayeredDepth {
         side: u32,
         layers: u32,
         by: LayersBy,
+        contents: LayerContents,
     ) -> Result<Arc<Self>, DeviceError> {
         let limits = &gpu.limits;
         let largest = limits
@@ -96,35 +109,35 @@ impl LayeredDepth {
         };
         let image = Image::new(gpu, "depth maps", &kind)?;
         gpu.work.count_texture(image.bytes(TEXEL_BYTES));
-        let render_pass = render_pass(gpu, by, views)?;
+        let colours = (contents == LayerContents::DepthAndColour).then(|| {
+            let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+            let kind = ImageKind {
+                shape: ImageShape::Array(layers),
+                ..ImageKind::flat(extent, COLOUR_FORMAT, usage)
+            };
+            let colours = Image::new(gpu, "colours of layers", &kind)?;
+            gpu.work.count_texture(colours.bytes(TEXEL_BYTES));
+            Ok::<_, DeviceError>(colours)
+        });
+        let colours = colours.transpose()?;
+        let render_pass = render_pass(gpu, by, views, contents)?;
         let (step, framebuffer_layers) = match by {
             LayersBy::Passes | LayersBy::Views => (views, 1),
             LayersBy::Stage => (layers, layers),
         };
         let pass = |first: u32| -> Result<LayerPass, DeviceError> {
-            let range = vk::ImageSubresourceRange {
-                base_array_layer: first,
-                layer_count: step,
-                ..kind.whole()
-            };
-            let info = vk::ImageViewCreateInfo::default()
-                .image(image.raw)
-                .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
-                .format(FORMAT)
-                .subresource_range(range);
-            // SAFETY: the structure lives through the call, and the layers are the image's, which lives as long.
-            let view = unsafe {
-                let made = gpu.device.create_image_view(&info, None);
-                Owned::new(gpu, "view of depth maps", made)
-            }?;
-            let views = [view.raw];
-            // SAFETY: the view has these layers and this size, in the pass's format.
+            let owned = std::iter::once(&image).chain(&colours);
+            let owned: Vec<Owned<vk::ImageView>> = owned
+                .map(|image| view_of_layers(gpu, image, first, step))
+                .collect::<Result<_, _>>()?;
+            let raw: Vec<vk::ImageView> = owned.iter().map(|view| view.raw).collect();
+            // SAFETY: the views have these layers and this size, in the pass's formats.
             let framebuffer =
-                unsafe { framebuffer(gpu, render_pass.raw, &views, extent, framebuffer_layers) }?;
+                unsafe { framebuffer(gpu, render_pass.raw, &raw, extent, framebuffer_layers) }?;
             Ok(LayerPass {
                 framebuffer,
                 first,
-                _view: view,
+                _views: owned,
             })
         };
         let passes = (0..layers).step_by(step as usize).map(pass);
@@ -132,6 +145,7 @@ impl LayeredDepth {
             passes: passes.collect::<Result<_, _>>()?,
             gpu: Arc::clone(gpu),
             image,
+            colours,
             by,
             views,
             render_pass,
@@ -147,7 +161,8 @@ impl LayeredDepth {
     /// Bytes of all maps.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.image.bytes(TEXEL_BYTES)
+        let images = std::iter::once(&self.image).chain(&self.colours);
+        images.map(|image| image.bytes(TEXEL_BYTES)).sum()
     }
 
     pub(crate) fn extent(&self) -> vk::Extent2D {
@@ -159,15 +174,55 @@ impl LayeredDepth {
     /// # Errors
     /// [`DeviceError::OutOfMemory`], [`DeviceError::DeviceLost`].
     pub fn read(&self) -> Result<Vec<f32>, DeviceError> {
+        let bytes = self.read_layers(&self.image)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Colours of all layers, in the same order, red in the lowest byte; none where maps have no colours.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`], [`DeviceError::DeviceLost`].
+    pub fn read_colours(&self) -> Result<Vec<u32>, DeviceError> {
+        let bytes = self.colours.as_ref().map(|image| self.read_layers(image));
+        Ok(bytemuck::pod_collect_to_vec(
+            &bytes.transpose()?.unwrap_or_default(),
+        ))
+    }
+
+    fn read_layers(&self, image: &Image) -> Result<Vec<u8>, DeviceError> {
         let maps = Readable {
-            image: &self.image,
-            aspect: vk::ImageAspectFlags::DEPTH,
+            image,
+            aspect: image.kind.aspects,
             texel_bytes: TEXEL_BYTES,
             layout: READABLE,
         };
         // SAFETY: the maps were drawn, which leaves them in this layout, with as many bytes a texel.
         let [bytes] = unsafe { read_images(&self.gpu, [maps]) }?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
+        Ok(bytes)
+    }
+}
+
+/// A view of so many layers, from the first.
+fn view_of_layers(
+    gpu: &Arc<Gpu>,
+    image: &Image,
+    first: u32,
+    count: u32,
+) -> Result<Owned<vk::ImageView>, DeviceError> {
+    let range = vk::ImageSubresourceRange {
+        base_array_layer: first,
+        layer_count: count,
+        ..image.kind.whole()
+    };
+    let info = vk::ImageViewCreateInfo::default()
+        .image(image.raw)
+        .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
+        .format(image.kind.format)
+        .subresource_range(range);
+    // SAFETY: the structure lives through the call, and the layers are the image's, which lives as long.
+    unsafe {
+        let made = gpu.device.create_image_view(&info, None);
+        Owned::new(gpu, "view of layers", made)
     }
 }
 
@@ -182,26 +237,36 @@ fn render_pass(
     gpu: &Arc<Gpu>,
     by: LayersBy,
     views: u32,
+    contents: LayerContents,
 ) -> Result<Owned<vk::RenderPass>, DeviceError> {
-    let attachments = [vk::AttachmentDescription::default()
-        .format(FORMAT)
+    let has_colour = contents == LayerContents::DepthAndColour;
+    let kept = vk::AttachmentDescription::default()
         .samples(vk::SampleCountFlags::TYPE_1)
         .load_op(vk::AttachmentLoadOp::CLEAR)
         .store_op(vk::AttachmentStoreOp::STORE)
         .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
         .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
         .initial_layout(vk::ImageLayout::UNDEFINED)
-        .final_layout(READABLE)];
+        .final_layout(READABLE);
+    let attachments = [kept.format(FORMAT), kept.format(COLOUR_FORMAT)];
+    let attachments = &attachments[..1 + usize::from(has_colour)];
+    let coloured = [vk::AttachmentReference {
+        attachment: 1,
+        layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+    }];
     let attached = vk::AttachmentReference {
         attachment: 0,
         layout: vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
     };
     let subpasses = [vk::SubpassDescription::default()
         .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+        .color_attachments(&coloured[..usize::from(has_colour)])
         .depth_stencil_attachment(&attached)];
-    let tests =
-        vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
-    let written = vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
+    let tests = vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS
+        | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS
+        | vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT;
+    let written =
+        vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE | vk::AccessFlags::COLOR_ATTACHMENT_WRITE;
     // Whoever read the maps before is done, and whoever reads them next waits.
     let dependencies = [
         vk::SubpassDependency::default()
@@ -222,7 +287,7 @@ fn render_pass(
     let masks = [u32::MAX >> (32 - views.clamp(1, 32))];
     let mut multiview = vk::RenderPassMultiviewCreateInfo::default().view_masks(&masks);
     let mut info = vk::RenderPassCreateInfo::default()
-        .attachments(&attachments)
+        .attachments(attachments)
         .subpasses(&subpasses)
         .dependencies(&dependencies);
     if by == LayersBy::Views {

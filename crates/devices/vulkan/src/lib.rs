@@ -69,7 +69,7 @@ pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, Primitive
 pub use fill::{VolumeFill, VulkanVolumes};
 pub use image::ImageShape;
 pub use layer_pipeline::LayerPipeline;
-pub use layered::{LayeredDepth, LayersBy};
+pub use layered::{LayerContents, LayeredDepth, LayersBy};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{
     CoverState, DrawCommand, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder,

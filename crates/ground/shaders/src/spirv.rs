@@ -232,6 +232,8 @@ pub enum GlslStage {
     Task,
     /// Mesh shader.
     Mesh,
+    /// Fragment shader that WGSL cannot say.
+    Fragment,
     /// Fragment shader of what a mesh shader makes.
     MeshFragment,
     /// Vertex shader that WGSL cannot say, or whose arithmetic a geometry shader shares.
@@ -251,6 +253,7 @@ impl GlslStage {
             // Task and mesh shaders need SPIR-V 1.4.
             Self::Task => ("task", "vulkan1.2"),
             Self::Mesh => ("mesh", "vulkan1.2"),
+            Self::Fragment => ("frag", "vulkan1.1"),
             Self::MeshFragment => ("frag", "vulkan1.2"),
             Self::Vertex | Self::Capture => ("vert", "vulkan1.1"),
         }
@@ -309,16 +312,17 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/lights.vert", "native/listed.layer.spv", Vertex, ["LISTED", "LAYER"];
     "native/lights.vert", "native/listed.view.spv", Vertex, ["LISTED", "VIEW"];
     "native/lights.vert", "native/listed.place.spv", Vertex, ["LISTED", "PLACE"];
+    "native/lights.frag", "native/lights.frag.spv", Fragment, [];
     "native/lights.geom", "native/lights.copied1.spv", Geometry, ["LIGHTS=1"];
     "native/lights.geom", "native/lights.copied2.spv", Geometry, ["LIGHTS=2"];
     "native/lights.geom", "native/lights.copied4.spv", Geometry, ["LIGHTS=4"];
-    "native/lights.geom", "native/lights.copied6.spv", Geometry, ["LIGHTS=6"];
+    "native/lights.geom", "native/lights.copied6.spv", Geometry, ["LIGHTS=6", "NUMBERED"];
     "native/lights.geom", "native/lights.copied8.spv", Geometry, ["LIGHTS=8"];
     "native/lights.geom", "native/lights.copied16.spv", Geometry, ["LIGHTS=16"];
     "native/lights.geom", "native/lights.invoked1.spv", Geometry, ["LIGHTS=1", "INVOCATIONS=1"];
     "native/lights.geom", "native/lights.invoked2.spv", Geometry, ["LIGHTS=2", "INVOCATIONS=2"];
     "native/lights.geom", "native/lights.invoked4.spv", Geometry, ["LIGHTS=4", "INVOCATIONS=4"];
-    "native/lights.geom", "native/lights.invoked6.spv", Geometry, ["LIGHTS=6", "INVOCATIONS=6"];
+    "native/lights.geom", "native/lights.invoked6.spv", Geometry, ["LIGHTS=6", "INVOCATIONS=6", "NUMBERED"];
     "native/lights.geom", "native/lights.invoked8.spv", Geometry, ["LIGHTS=8", "INVOCATIONS=8"];
     "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["LIGHTS=16", "INVOCATIONS=16"];
     "native/lights.geom", "native/listed.copied.spv", Geometry, ["LISTED", "COPIES=64"];
@@ -473,7 +477,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 48);
+        assert_eq!(all.len(), 49);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

@@ -70,11 +70,11 @@ pub struct Rays<'a> {
 
 /// What a ray meets.
 #[derive(Debug, Clone, Copy)]
-struct Hit {
+pub struct Hit {
     /// From 1, as it is drawn.
-    number: u32,
-    /// Distance along the view's axis, metres.
-    away_m: f64,
+    pub number: u32,
+    /// Distance along the view's axis, metres; of any ray, how many times its direction long it is.
+    pub away_m: f64,
 }
 
 impl<'a> Rays<'a> {
@@ -136,17 +136,13 @@ impl<'a> Rays<'a> {
         Some(self.view.eye + self.direction(at_px) * hit.away_m)
     }
 
-    /// How many times its direction long a ray is to the ground.
-    pub fn reach(&self, from: DVec3, along: DVec3) -> Option<f64> {
-        Some(self.follow(from, along)?.away_m)
-    }
-
     /// Whether a ray meets the ground.
     pub fn hits(&self, from: DVec3, along: DVec3) -> bool {
         self.follow(from, along).is_some()
     }
 
-    fn follow(&self, eye: DVec3, along: DVec3) -> Option<Hit> {
+    /// The first triangle on a ray.
+    pub fn follow(&self, eye: DVec3, along: DVec3) -> Option<Hit> {
         let step_m = self.grid.step_m();
         // Columns, rows and metres from here on.
         let scale = DVec3::new(1.0 / step_m, 1.0 / step_m, 1.0);

@@ -48,11 +48,11 @@ pub(super) const SECTION: Section<'static> = Section {
 
 pub(super) const CUBE: Section<'static> = Section {
     title: "A cube map in one pass",
-    caption: "Six faces of a cube of depths, by every way on Vulkan",
-    text: "A cube of depths around a place above the ground has six faces, the layers of one image: a pass each, all in one \
+    caption: "Six faces of a cube of depths and colours, by every way on Vulkan",
+    text: "A cube of depths and colours around a place above the ground has six faces, the layers of two images: a pass each, all in one \
            pass whose geometry shader is compiled for six copies or six invocations, by instances whose vertex shader \
-           chooses the layer, or as six views. All ways leave the same depths bit for bit. Rays in f64 from the middle \
-           judge all texels along the seams and one in 61 of the others; the picture says which face sees a pixel, and \
+           chooses the layer, or as six views. A colour is the number of a triangle. All ways leave the same depths and colours bit for bit. Rays in f64 from \
+           the middle judge all texels along the seams and one in 61 of the others; the picture says which face sees a pixel, and \
            whether the middle does.",
     cases: Select::With(EXPERIMENT, "cube"),
     findings: &[cube_claim],
@@ -70,10 +70,11 @@ pub(super) const CUBE: Section<'static> = Section {
         Column::metric("seam texels", CUBE_SEAM_TEXELS),
         Column::metric("wrong along seams", CUBE_SEAM_WRONG),
         Column::metric("wrong elsewhere", CUBE_INNER_WRONG),
+        Column::metric("wrong colours", CUBE_COLOUR_WRONG),
         Column::metric("depths that differ", LIGHTS_DEPTHS_DIFFERING),
         Column::metric("wrong pixels", PIPELINE_MISMATCHED_PX),
     ],
-    pictures: &[("picture", "")],
+    pictures: &[("picture", ""), ("faces", "Six faces, unfolded")],
     ..Section::EMPTY
 };
 

@@ -33,6 +33,7 @@ impl Listed {
                     side: self.side,
                     vertex: way.listed_vertex(),
                     geometry: way.listed_geometry(layers),
+                    fragment: None,
                     vertices: [count(&self.places), 3],
                     resources: vec![
                         uniform(&gpu, "picture", &self.constants)?,

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A cube map of depths around a place above terrain, its six faces by every way to layers.
+//! A cube map of depths and colours around a place above terrain, its six faces by every way to layers.
 //!
-//! Every way must leave the same depths bit for bit. Texels are held against `f64` rays from the cube's middle, those along
-//! the seams all of them. The picture says of each pixel which face sees it, and whether the middle does.
+//! Colours are numbers of triangles. Every way must leave the same depths and colours bit for bit. Texels are held against
+//! `f64` rays from the cube's middle, those along the seams all of them. The picture says of each pixel which face sees it,
+//! and whether the middle does.
 
 use super::on_vulkan::{LayerParts, OnVulkan};
 use super::scene::{LightColumns, LightConstants, ground};
 use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::{LooksUp as _, bits, count, differing};
-use crate::images::{of_lights, size_px, write};
+use terrafill_shapes::grid::{Grid, GridCamera, GridConstants, NEAR_M};
+use crate::images::{of_lights, of_relief, size_px, write};
 use crate::metrics::{EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::on_vulkan::{heights, uniform};
+use terrafill_shapes::rays::{BAND_PX, Hit, Judged, Rays, around, within};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, ids_of};
@@ -155,6 +158,7 @@ fn open(
         side,
         vertex: way.vertex(),
         geometry: way.geometry(layers),
+        fragment: Some("native/lights.frag.spv"),
         vertices: [6 * grid.cells * grid.cells; 2],
         resources: vec![
             uniform(&gpu, "grid constants", bytemuck::bytes_of(&constants))?,
@@ -180,20 +184,32 @@ struct CubeRays<'a> {
     side: u32,
 }
 
-/// Texels that no ray allows: along seams, and elsewhere.
+/// Texels that no ray allows: along seams and elsewhere by their depths, and all by their colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct JudgedTexels {
     seam: usize,
     seam_wrong: usize,
     inner_wrong: usize,
+    colour_wrong: usize,
+    coloured: usize,
 }
 
 impl CubeRays<'_> {
     /// Depth by a ray through a place of a face.
     fn depth(&self, face: &Face, texel: DVec2) -> f64 {
-        let along = face.direction(texel, self.side);
-        let away = self.rays.reach(MIDDLE, along);
-        away.map_or(0.0, |away| NEAR_M / away)
+        let met = self.meet(face, texel);
+        met.map_or(0.0, |hit| NEAR_M / hit.away_m)
+    }
+
+    fn meet(&self, face: &Face, texel: DVec2) -> Option<Hit> {
+        self.rays.follow(MIDDLE, face.direction(texel, self.side))
+    }
+
+    /// Whether a ray as near as vertices are snapped meets the triangle of a number; 0 is none.
+    fn allows_colour(&self, face: &Face, middle: DVec2, found: u32) -> bool {
+        let is_met =
+            |off: DVec2| self.meet(face, middle + off).map_or(0, |hit| hit.number) == found;
+        is_met(DVec2::ZERO) || around(BAND_PX).any(is_met)
     }
 
     /// Whether a depth is between those of rays as near as vertices are snapped.
@@ -209,12 +225,13 @@ impl CubeRays<'_> {
         found >= low * (1.0 - DEPTH_BAND) && found <= high * (1.0 + DEPTH_BAND)
     }
 
-    /// Holds depths of all faces, one after the other, against rays.
-    fn judge_texels(&self, depths: &[f32]) -> JudgedTexels {
+    /// Holds depths and numbers of all faces, one after the other, against rays.
+    fn judge_texels(&self, depths: &[f32], numbers: &[u32]) -> JudgedTexels {
         let mut judged = JudgedTexels::default();
         let side = self.side as usize;
-        for (face, depths) in self.faces.iter().zip(depths.chunks(side * side)) {
-            for (number, depth) in depths.iter().enumerate() {
+        let texels = depths.chunks(side * side).zip(numbers.chunks(side * side));
+        for (face, (depths, colours)) in self.faces.iter().zip(texels) {
+            for (number, (depth, colour)) in depths.iter().zip(colours).enumerate() {
                 let (x, y) = (number % side, number / side);
                 let is_seam = [x, y].iter().any(|at| *at == 0 || *at == side - 1);
                 if !is_seam && !number.is_multiple_of(TEXEL_EVERY) {
@@ -222,6 +239,8 @@ impl CubeRays<'_> {
                 }
                 let middle = DVec2::new(x as f64, y as f64) + 0.5;
                 let is_wrong = !self.allows(face, middle, f64::from(*depth));
+                judged.coloured += usize::from(*colour > 0);
+                judged.colour_wrong += usize::from(!self.allows_colour(face, middle, *colour));
                 judged.seam += usize::from(is_seam);
                 judged.seam_wrong += usize::from(is_seam && is_wrong);
                 judged.inner_wrong += usize::from(!is_seam && is_wrong);
@@ -285,12 +304,36 @@ impl CubeRays<'_> {
     }
 }
 
-/// Numbers of a picture and bits of its depths, and what rays say of them.
+/// Numbers of a picture, bits of its depths and colours of its faces, and what rays say of them.
 struct FirstCube {
     numbers: Vec<u32>,
     depths: Vec<u32>,
+    colours: Vec<u32>,
     texels: JudgedTexels,
     found: Judged,
+}
+
+/// Faces as a cross of four across and three down: along the middle those that look level, turning right; above the
+/// second what is above, below the fourth what is below, so that all that touch have their seam in common.
+fn unfolded(numbers: &[u32], side: u32, size: ImageSize) -> Vec<u32> {
+    const AROUND: [u32; 4] = [0, 3, 1, 2];
+    let pixel = |at: u32| {
+        let [x, y] = [at % size.width, at / size.width].map(|at| 4 * at);
+        let [column, row] = [x / size.width, y / size.height];
+        let face = match (row, column) {
+            (0, 1) => 4,
+            (1, _) => AROUND[column as usize % 4],
+            (2, 3) => 5,
+            _ => return 0,
+        };
+        // Rows of a face grow upwards.
+        let [x, y] = [
+            x % size.width * side / size.width,
+            y % size.height * side / size.height,
+        ];
+        numbers[(face * side * side + (side - 1 - y) * side + x) as usize]
+    };
+    (0..size.width * size.height).map(pixel).collect()
 }
 
 struct CubeSession<'a> {
@@ -311,20 +354,22 @@ impl Session for CubeSession<'_> {
         let shown = opened.draw()?;
         let numbers = ids_of(&shown.picture);
         let depths = bits(&shown.depths);
+        let colours = opened.numbers()?;
         let is_first = self.first.is_none();
         let rays = CubeRays {
             rays: Rays::new(&self.grid, GridCamera::new(), size),
             faces: faces(),
             side,
         };
-        let texels = || rays.judge_texels(&shown.depths);
+        let texels = || rays.judge_texels(&shown.depths, &colours);
         let first = self.first.get_or_insert_with(|| FirstCube {
             texels: texels(),
             found: rays.judge_picture(&numbers),
             numbers: numbers.clone(),
             depths: depths.clone(),
+            colours: colours.clone(),
         });
-        let texels_differ = differing(&depths, &first.depths);
+        let texels_differ = differing(&depths, &first.depths) + differing(&colours, &first.colours);
         let pixels_differ = differing(&numbers, &first.numbers);
         // What equals the first is judged with it.
         let texels = if texels_differ > 0 {
@@ -347,11 +392,20 @@ impl Session for CubeSession<'_> {
                 "{} texels of faces are not those of rays",
                 texels.inner_wrong
             )
+        } else if texels.colour_wrong > 0 {
+            format!(
+                "{} texels have another colour than rays",
+                texels.colour_wrong
+            )
+        } else if texels.coloured == 0 {
+            "its faces have no colour".to_owned()
         } else if found.mismatched > 0 {
             let pixels = found.mismatched;
             format!("{pixels} pixels show what the reference does not allow")
         } else if texels_differ + pixels_differ > 0 {
-            format!("{texels_differ} depths and {pixels_differ} pixels differ from the first way's")
+            format!(
+                "{texels_differ} depths and colours, and {pixels_differ} pixels differ from the first way's"
+            )
         } else {
             String::new()
         };
@@ -366,6 +420,7 @@ impl Session for CubeSession<'_> {
             ("cube_seam_texels", texels.seam as f64),
             ("cube_seam_wrong", texels.seam_wrong as f64),
             ("cube_inner_wrong", texels.inner_wrong as f64),
+            ("cube_colour_wrong", texels.colour_wrong as f64),
         ];
         figures.extend(shown.counted.figures());
         self.opened.insert(case, opened);
@@ -376,7 +431,13 @@ impl Session for CubeSession<'_> {
                 .iter()
                 .map(|of| of.min(&1) + u32::from(*of > 0 && of % 2 == 0))
                 .collect();
-            write(self.context.folder, name, size, of_lights(&seen, 1))?
+            let mut notes = write(self.context.folder, name, size, of_lights(&seen, 1))?;
+            let faces = unfolded(&colours, side, size);
+            let name = format!("{name}-faces");
+            let pixels = of_relief(&faces, &self.grid);
+            let written = write(self.context.folder, &name, size, pixels)?;
+            notes.extend(written.into_iter().map(|(_, path)| ("faces", path)));
+            notes
         } else {
             Vec::new()
         };
@@ -442,17 +503,26 @@ mod tests {
         };
         let judge = |faces: &[Face]| {
             let opened = open(context, LightWay::Passes, &grid, faces, (side, PICTURE));
-            let shown = opened.expect("opens").draw().expect("draws");
+            let mut opened = opened.expect("opens");
+            let shown = opened.draw().expect("draws");
             let pixels = rays.judge_picture(&ids_of(&shown.picture)).mismatched;
-            (rays.judge_texels(&shown.depths), pixels)
+            let colours = opened.numbers().expect("colours");
+            (rays.judge_texels(&shown.depths, &colours), pixels)
         };
         let (right, pixels) = judge(&faces());
         assert_eq!((right.seam_wrong, right.inner_wrong, pixels), (0, 0, 0));
+        assert!(
+            right.colour_wrong == 0 && right.coloured > 1_000,
+            "{right:?}"
+        );
         let mut exchanged = faces();
         exchanged.swap(0, 2);
         let (texels, pixels) = judge(&exchanged);
         assert!(
-            texels.seam_wrong > 0 && texels.inner_wrong > 0 && pixels > 0,
+            texels.seam_wrong > 0
+                && texels.inner_wrong > 0
+                && texels.colour_wrong > 0
+                && pixels > 0,
             "{texels:?} {pixels}"
         );
         let mut mirrored = faces();

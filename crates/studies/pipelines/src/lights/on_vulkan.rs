@@ -10,8 +10,8 @@ use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::{Grid, GridConstants};
 use terrafill_vulkan::{
-    DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerPipeline,
-    LayeredDepth, Measured, RenderTargets, Resource, Resources, Topology,
+    DirectDraw, DirectReport, DrawCall, DrawPipeline, GeometryOutput, Gpu, LayerContents,
+    LayerPipeline, LayeredDepth, Measured, RenderTargets, Resource, Resources, Topology,
 };
 
 const LIT: &str = "pipelines/lit.wgsl";
@@ -37,6 +37,8 @@ pub(crate) struct LayerParts {
     pub(crate) vertex: &'static str,
     /// As of [`LightWay::geometry`].
     pub(crate) geometry: Option<Option<GeometryOutput>>,
+    /// SPIR-V that colours layers, where they have colours.
+    pub(crate) fragment: Option<&'static str>,
     /// Of the layers, and of the picture.
     pub(crate) vertices: [u32; 2],
     /// At bindings 0 to 2; the layers come behind them.
@@ -69,6 +71,7 @@ impl OnVulkan {
             side,
             vertex: way.vertex(),
             geometry: way.geometry(layers),
+            fragment: None,
             vertices: [6 * grid.cells * grid.cells; 2],
             resources: vec![
                 uniform(gpu, "grid constants", bytemuck::bytes_of(&constants))?,
@@ -89,10 +92,21 @@ impl OnVulkan {
             DeviceError::unsupported(&what, &gpu.facts.name)
         })?;
         let of_maps = Resources::new(gpu, parts.resources.clone())?;
-        let maps = LayeredDepth::new(gpu, parts.side, layers, way.layers_by())?;
+        let contents = match parts.fragment {
+            Some(_) => LayerContents::DepthAndColour,
+            None => LayerContents::Depth,
+        };
+        let maps = LayeredDepth::new(gpu, parts.side, layers, way.layers_by(), contents)?;
         let chooses = way == LightWay::Instanced;
-        let maps_pipeline =
-            LayerPipeline::new(gpu, &maps, &of_maps, parts.vertex, geometry, chooses)?;
+        let maps_pipeline = LayerPipeline::new(
+            gpu,
+            &maps,
+            &of_maps,
+            parts.vertex,
+            geometry,
+            parts.fragment,
+            chooses,
+        )?;
         let mut resources = parts.resources;
         resources.push(Resource::Depths(Arc::clone(&maps)));
         resources.extend(parts.behind);
@@ -108,6 +122,15 @@ impl OnVulkan {
             targets: RenderTargets::new(gpu, parts.size)?,
             pipeline: DrawPipeline::new(gpu, &resources, stages, fragment)?,
         })
+    }
+
+    /// Numbers that layers show, one after the other; none where they have no colours.
+    pub(crate) fn numbers(&self) -> Result<Vec<u32>, DeviceError> {
+        let colours = self.maps.read_colours()?;
+        Ok(colours
+            .into_iter()
+            .map(|colour| colour & 0xff_ffff)
+            .collect())
     }
 
     fn draw_maps(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {

@@ -130,6 +130,7 @@ fn open(
         side,
         vertex: way.vertex(),
         geometry: way.geometry(LIGHTS),
+        fragment: None,
         vertices: [6 * grid.cells * grid.cells; 2],
         resources: vec![
             uniform(&gpu, "grid constants", bytemuck::bytes_of(&constants))?,

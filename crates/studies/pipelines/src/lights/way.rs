@@ -52,9 +52,11 @@ impl LightWay {
             16 => Some(["native/lights.copied16.spv", "native/lights.invoked16.spv"]),
             _ => None,
         };
+        // Those of a cube hand the triangle's number on.
+        let components = if lights == 6 { 6 } else { 5 };
         match self {
-            Self::Copied => compiled.map(|[copied, _]| output(copied, 3 * lights)),
-            Self::Invoked => compiled.map(|[_, invoked]| output(invoked, 3)),
+            Self::Copied => compiled.map(|[copied, _]| output(copied, 3 * lights, components)),
+            Self::Invoked => compiled.map(|[_, invoked]| output(invoked, 3, components)),
             _ => Some(None),
         }
     }
@@ -73,10 +75,10 @@ impl LightWay {
     pub(crate) fn listed_geometry(self, layers: u32) -> Option<Option<GeometryOutput>> {
         match (self, layers) {
             (Self::Copied, ..=LISTED_COPIES) => {
-                Some(output("native/listed.copied.spv", 3 * LISTED_COPIES))
+                Some(output("native/listed.copied.spv", 3 * LISTED_COPIES, 5))
             }
             (Self::Copied, _) => None,
-            (Self::Invoked, 32) => Some(output("native/listed.invoked32.spv", 3)),
+            (Self::Invoked, 32) => Some(output("native/listed.invoked32.spv", 3, 5)),
             // Those of lights read nothing that a list has otherwise.
             _ => self.geometry(layers),
         }
@@ -87,11 +89,11 @@ impl LightWay {
     }
 }
 
-/// What an invocation hands on: of a vertex a position and the layer.
-fn output(name: &'static str, vertices: u32) -> Option<GeometryOutput> {
+/// - `components`: that an invocation hands on of a vertex, a position and the layer at least
+fn output(name: &'static str, vertices: u32, components: u32) -> Option<GeometryOutput> {
     Some(GeometryOutput {
         name,
         vertices,
-        components: 5,
+        components,
     })
 }
