@@ -256,13 +256,13 @@ impl<'a> Rays<'a> {
 
     /// A vertex on the picture, pixels, and its distance along the view's axis.
     fn project(&self, column: u32, row: u32) -> (DVec2, f64) {
+        self.view.project(self.vertex(column, row), self.size)
+    }
+
+    fn vertex(&self, column: u32, row: u32) -> DVec3 {
         let step_m = self.grid.step_m();
-        let place = DVec3::new(
-            f64::from(column) * step_m,
-            f64::from(row) * step_m,
-            self.height(column, row),
-        );
-        self.view.project(place, self.size)
+        let height = self.height(column, row);
+        (DVec2::new(f64::from(column), f64::from(row)) * step_m).extend(height)
     }
 
     /// Holds a picture of triangles' numbers against the rays. Of numbers, what a picture holds is compared.
@@ -272,16 +272,26 @@ impl<'a> Rays<'a> {
         let mut judged = Judged::default();
         for &(pixel, met) in truth {
             let shown = numbers[pixel];
+            let project = |place| self.view.project(place, self.size);
             judged.add(shown, met & SHOWN, || {
-                self.may_show(self.centre(pixel), shown)
+                self.may_show(self.centre(pixel), shown, |at| self.meet(at), project)
             });
         }
         judged
     }
 
     /// Whether the border of what is shown passes within the band of a place, and nothing hides it there.
-    fn may_show(&self, at: DVec2, shown: u32) -> bool {
-        let hits: Vec<Option<Hit>> = around(BAND_PX).map(|off| self.meet(at + off)).collect();
+    ///
+    /// - `meet`: what the ray through a place of the picture meets
+    /// - `project`: where a place is on the picture, pixels, and how far along its axis
+    pub fn may_show(
+        &self,
+        at: DVec2,
+        shown: u32,
+        meet: impl Fn(DVec2) -> Option<Hit>,
+        project: impl Fn(DVec3) -> (DVec2, f64),
+    ) -> bool {
+        let hits: Vec<Option<Hit>> = around(BAND_PX).map(|off| meet(at + off)).collect();
         if hits
             .iter()
             .any(|hit| hit.map_or(0, |hit| hit.number & SHOWN) == shown)
@@ -291,26 +301,18 @@ impl<'a> Rays<'a> {
         let last = 2 * self.grid.cells * self.grid.cells;
         let numbers = (shown..=last).step_by(SHOWN as usize + 1);
         let mut numbers = numbers.filter(|number| *number > 0);
-        numbers.any(|number| self.is_thin_at(at, number, &hits))
+        numbers.any(|number| {
+            let corners = self.corners(number).map(&project);
+            is_thin_at(at, corners, &hits)
+        })
     }
 
-    /// Whether a triangle that may be thinner than the band lies within it and is seen.
-    fn is_thin_at(&self, at: DVec2, shown: u32, hits: &[Option<Hit>]) -> bool {
-        let cell = (shown - 1) / 2;
+    /// Corners of a triangle, by its number from 1.
+    fn corners(&self, number: u32) -> [DVec3; 3] {
+        let cell = (number - 1) / 2;
         let (column, row) = (cell % self.grid.cells, cell / self.grid.cells);
-        let middle = [(1, 0), (0, 1)];
-        let end = if shown % 2 == 1 { (0, 0) } else { (1, 1) };
-        let corners = [middle[0], middle[1], end];
-        let corners = corners.map(|(x, y)| self.project(column + x, row + y));
-        let nearest = corners
-            .iter()
-            .map(|corner| corner.1)
-            .fold(f64::INFINITY, f64::min);
-        let farthest = hits
-            .iter()
-            .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.away_m));
-        let is_seen = nearest <= farthest.fold(0.0, f64::max) * (1.0 + EQUAL_DEPTH);
-        is_seen && distance_to_triangle(at, corners.map(|corner| corner.0)) <= BAND_PX
+        let end = 1 - number % 2;
+        [(1, 0), (0, 1), (end, end)].map(|(x, y)| self.vertex(column + x, row + y))
     }
 
     /// Holds a picture of points' numbers against their projections: a point covers the pixel that it
@@ -322,6 +324,21 @@ impl<'a> Rays<'a> {
             all.map(|(column, row)| self.project(column, row)).collect();
         judge_points(numbers, self.size, &places)
     }
+}
+
+/// Whether a triangle that may be thinner than the band lies within it and is seen.
+///
+/// - `corners`: on the picture, pixels, and away from the eye
+fn is_thin_at(at: DVec2, corners: [(DVec2, f64); 3], hits: &[Option<Hit>]) -> bool {
+    let nearest = corners
+        .iter()
+        .map(|corner| corner.1)
+        .fold(f64::INFINITY, f64::min);
+    let farthest = hits
+        .iter()
+        .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.away_m));
+    let is_seen = nearest <= farthest.fold(0.0, f64::max) * (1.0 + EQUAL_DEPTH);
+    is_seen && distance_to_triangle(at, corners.map(|corner| corner.0)) <= BAND_PX
 }
 
 /// Holds a picture of points' numbers against their projections.

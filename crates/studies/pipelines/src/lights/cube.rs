@@ -84,6 +84,17 @@ impl Face {
         DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
     }
 
+    /// A place on the face, texels, and how far it is forwards; nowhere for what lies behind.
+    fn project(&self, place: DVec3, side: u32) -> (DVec2, f64) {
+        let from = place - MIDDLE;
+        let away = from.dot(self.forward);
+        if away <= 0.0 {
+            return (DVec2::INFINITY, f64::INFINITY);
+        }
+        let across = DVec2::new(from.dot(self.right), from.dot(self.up)) / away;
+        ((0.5 * across + 0.5) * f64::from(side), away)
+    }
+
     /// Where a direction's part forwards is 1, through a place of the face in texels.
     fn direction(&self, texel: DVec2, side: u32) -> DVec3 {
         let across = 2.0 * texel / f64::from(side) - 1.0;
@@ -205,11 +216,12 @@ impl CubeRays<'_> {
         self.rays.follow(MIDDLE, face.direction(texel, self.side))
     }
 
-    /// Whether a ray as near as vertices are snapped meets the triangle of a number; 0 is none.
+    /// Whether a texel may show the triangle of a number, as near as vertices are snapped; 0 is none.
     fn allows_colour(&self, face: &Face, middle: DVec2, found: u32) -> bool {
-        let is_met =
-            |off: DVec2| self.meet(face, middle + off).map_or(0, |hit| hit.number) == found;
-        is_met(DVec2::ZERO) || around(BAND_PX).any(is_met)
+        let meet = |at| self.meet(face, at);
+        let project = |place| face.project(place, self.side);
+        meet(middle).map_or(0, |hit| hit.number) == found
+            || self.rays.may_show(middle, found, meet, project)
     }
 
     /// Whether a depth is between those of rays as near as vertices are snapped.
@@ -251,17 +263,14 @@ impl CubeRays<'_> {
 
     /// What a picture may show of a place: of every face that may be found, seen or not, with what rounding may choose.
     fn may_show(&self, place: DVec3, band: f64) -> Vec<u32> {
-        let from = place - MIDDLE;
         let mut numbers = Vec::new();
         for (number, face) in (0_u32..).zip(&self.faces) {
-            let away = from.dot(face.forward);
-            let across = DVec2::new(from.dot(face.right), from.dot(face.up)) / away;
-            let margin = 1.0 + 2.0 * band.max(1e-3) / f64::from(self.side);
-            if away <= 0.0 || across.abs().max_element() > margin {
+            let (at, away) = face.project(place, self.side);
+            let side = f64::from(self.side);
+            let margin = band.max(1e-3);
+            if at.min_element() < -margin || at.max_element() > side + margin {
                 continue;
             }
-            let side = f64::from(self.side);
-            let at = (0.5 * across + 0.5) * side;
             for off in within(band) {
                 let texel = (at + off)
                     .floor()
@@ -474,6 +483,35 @@ mod tests {
         for face in &faces {
             assert!((face.right.cross(face.up) + face.forward).length() < 1e-12);
         }
+    }
+
+    #[test]
+    fn the_largest_faces_are_those_of_rays() {
+        let Some(tested) = Tested::open() else {
+            return;
+        };
+        let context = Context {
+            devices: &tested.devices,
+            folder: std::path::Path::new(""),
+        };
+        let (grid, side) = (ground(CELLS), SIDES[1]);
+        let rays = CubeRays {
+            rays: Rays::new(&grid, GridCamera::new(), PICTURE),
+            faces: faces(),
+            side,
+        };
+        let opened = open(context, LightWay::Passes, &grid, &faces(), (side, PICTURE));
+        let mut opened = opened.expect("opens");
+        let depths = opened.draw().expect("draws").depths;
+        let mut colours = opened.numbers().expect("colours");
+        let right = rays.judge_texels(&depths, &colours);
+        assert_eq!(
+            [right.seam_wrong, right.inner_wrong, right.colour_wrong],
+            [0; 3]
+        );
+        // Negative control: another triangle in one texel along a seam.
+        colours[0] += 1_000;
+        assert_eq!(rays.judge_texels(&depths, &colours).colour_wrong, 1);
     }
 
     #[test]
