@@ -1,19 +1,15 @@
-// Study `pipelines`: one fragment makes its pixel of layers that show a bar at moments of an exposure, or of moments
-// of its own.
+// Study `pipelines`: one fragment makes its pixel of layers that show a mesh at moments of an exposure; or it adds one
+// moment to the sum of those before.
 #import shared/lookup.wgsl
 
 struct Blurred {
-    // Of this picture, or moments of a pixel.
+    // Layers that a pixel is made of.
     count: u32,
     // 0: the layers' mean. 1: as published, weights count - i and 1 for the first, divided by alpha. 2: these weights
-    // over an opaque background. 3: the same with weight count for the first. 4: moments of the pixel's own, its middle
-    // covered or not. 5: the same, its covered share.
+    // over an opaque background. 3: the same with weight count for the first.
     resolve: u32,
-    // Pixels: how far the bar moves, and how long it is.
-    motion: f32,
-    bar: f32,
-    // A side of the picture.
-    pixels: u32,
+    // Pixels a side of a tile: each of its pixels has layers of its own, which have a texel a tile.
+    tile: u32,
 };
 
 @group(0) @binding(0) var<uniform> blurred: Blurred;
@@ -33,45 +29,26 @@ fn weight_of(layer: u32) -> f32 {
     return f32(blurred.count - layer);
 }
 
-// Bits of a number, scattered (the finaliser of MurmurHash3).
-fn scattered(number: u32) -> u32 {
-    var mixed = number;
-    mixed = (mixed ^ (mixed >> 16u)) * 0x85ebca6bu;
-    mixed = (mixed ^ (mixed >> 13u)) * 0xc2b2ae35u;
-    return mixed ^ (mixed >> 16u);
-}
-
-fn covered(pixel: vec2<u32>, moment: f32) -> f32 {
-    let left = f32(pixel.x);
-    let start = values[pixel.y] + blurred.motion * moment;
-    let end = start + blurred.bar;
-    if blurred.resolve == 4u {
-        let middle = left + 0.5;
-        return select(0.0, 1.0, middle >= start && middle < end);
-    }
-    return max(min(left + 1.0, end) - max(left, start), 0.0);
-}
-
 @fragment
 fn fragment_main(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let pixel = vec2<u32>(at.xy);
+    let texel = vec2<i32>(pixel / blurred.tile);
+    let place = pixel % blurred.tile;
+    let first = (place.y * blurred.tile + place.x) * blurred.count;
     var light = 0.0;
     var all = 0.0;
     for (var layer = 0u; layer < blurred.count; layer += 1u) {
-        if blurred.resolve >= 4u {
-            let number = (pixel.y * blurred.pixels + pixel.x) * blurred.count + layer;
-            let moment = f32(scattered(number) >> 8u) / 16777216.0;
-            light += covered(pixel, moment);
-            all += 1.0;
-        } else {
-            let weight = weight_of(layer);
-            light += weight * textureLoad(maps, vec2<i32>(pixel), i32(layer), 0).r;
-            all += weight;
-        }
+        let weight = weight_of(layer);
+        // Depth is grey, and 0 where nothing is.
+        let grey = textureLoad(maps, texel, i32(first + layer), 0).r;
+        light += weight * grey;
+        all += select(weight, 0.0, blurred.resolve == 1u && grey <= 0.0);
     }
-    if blurred.resolve == 1u {
-        // What no layer covers is left as it was: layers are white, so light is the sum of alpha.
-        return bits(select(0.0, light / light, light > 0.0));
-    }
-    return bits(light / all);
+    // What no layer covers is left as it was.
+    return bits(select(0.0, light / all, all > 0.0));
+}
+
+@fragment
+fn added(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(textureLoad(maps, vec2<i32>(at.xy), 0, 0).r * layers.weight);
 }

@@ -10,7 +10,7 @@ struct Layer {
 struct Layers {
     each: array<Layer, 128>,
     count: u32,
-    // What blending adds of a layer.
+    // By which a layer is added to a sum.
     weight: f32,
 };
 

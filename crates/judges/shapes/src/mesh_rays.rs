@@ -95,6 +95,11 @@ impl<'a> MeshRays<'a> {
         hits.min_by(|a, b| a.away_m.total_cmp(&b.away_m))
     }
 
+    /// How far what a place of the picture shows is along the view's axis, metres.
+    pub fn away_m(&self, at_px: DVec2) -> Option<f64> {
+        Some(self.meet(at_px)?.away_m)
+    }
+
     /// Numbers at the middles of all pixels, 0 for none.
     pub fn picture(&self) -> Vec<u32> {
         let at = |at| self.meet(at).map_or(0, |hit| hit.number);

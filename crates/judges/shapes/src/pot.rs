@@ -73,10 +73,13 @@ pub fn pot() -> Vec<Patch> {
     all.map(|patch| patch.rounded()).collect()
 }
 
+/// Where it is looked at, metres.
+pub const POT_MIDDLE: DVec3 = DVec3::new(0.02, 0.0, 0.72);
+
 /// From where it is seen: all of it, from a little above.
 pub fn pot_view() -> GridCamera {
     let eye = DVec3::new(1.6, -4.3, 2.4);
-    GridCamera::looking(eye, DVec3::new(0.02, 0.0, 0.72), 0.33)
+    GridCamera::looking(eye, POT_MIDDLE, 0.33)
 }
 
 #[cfg(test)]

@@ -14,5 +14,4 @@ mod study;
 
 pub(crate) use drawn::drawn_groups;
 pub(crate) use keep::Keep;
-pub(crate) use queries::scatter;
 pub(crate) use study::group;

@@ -9,8 +9,9 @@ mod on_wgpu;
 mod opened;
 mod shaded;
 mod shaded_study;
+mod turning;
 mod variance_bounds;
 
-pub(crate) use blurred::group as blurs;
+pub(crate) use blurred::groups as blurs;
 pub(crate) use shaded_study::group as shades;
 pub(crate) use variance_bounds::{TAPS, light as share_bounds};

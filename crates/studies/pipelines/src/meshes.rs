@@ -7,6 +7,7 @@ mod deformed;
 mod image;
 mod picture;
 
-pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches};
+pub(crate) use bezier::{Division, MAX_PATCH_CELLS, groups as patches, pot_mesh};
 pub(crate) use deformed::{DeformWay, group as deformed};
 pub(crate) use image::{CellCut, ImageWay, group as image};
+pub(crate) use picture::size_of;

@@ -13,7 +13,6 @@ terrafill_results::conditions! {
     DEPTH = "depth", "format of the depths that variances are made of";
     DRAWINGS = "drawings", "how often a deformed model is drawn in a frame";
     EXPERIMENT = "experiment", "which question of the chapter";
-    FILTER = "filter", "how many texels of a map are averaged";
     FLIGHT_S = "flight_s", "at which second of the flight";
     FLOOR = "floor", "what the least variance of a shadow map is";
     GRID_CELLS = "grid_cells", "cells along a side of the grid";
@@ -23,7 +22,7 @@ terrafill_results::conditions! {
     LEVEL = "level", "how often a side of a patch is divided";
     LIGHTS = "lights", "how many lights cast shadows";
     MAP_TEXELS = "map_texels", "texels along a side of a map";
-    MOMENTS = "moments", "which moments layers show: the middle or the end of their part of the time, or random ones";
+    MOMENTS = "moments", "which moments layers show: the middle of each part of the time, or jittered ones";
     PLACE = "place", "where patches are left out: nowhere, on the CPU, or in a stage of the device";
     RESOLVE = "resolve", "how layers become a picture";
     SHADOW_FILTER = "shadow_filter", "how depths of a map become a share of light";
@@ -64,17 +63,14 @@ terrafill_results::conditions! {
     "blended-f32" = "layers are added up in a target of 32 bits";
     "blended-f16" = "layers are added up in a target of 16 bits";
     "blended-8-bit" = "layers are added up in a target of 8 bits";
-    "stochastic" = "every pixel at a moment of its own";
     "middle" = "the middle of each part of the exposure";
-    "end" = "the end of each part of the exposure, as published";
-    "random" = "any moment";
-    "pixel" = "of a layer: what it shows of a pixel, its middle or its covered share";
+    "jittered" = "anywhere in each part, each pixel of a tile of 2 × 2 for itself: interleaved sampling";
     "patch" = "16 × 16 cells or as many as are culled together";
     "level 2" = "culling of patches within the tiles in view";
     "flight" = "a path of the camera over the ground";
     "points" = "corners of cells of the grid";
     "grid" = "a terrain of square cells";
-    "trail" = "pixels that a moving bar touches";
+    "trail" = "pixels that something moving touches";
     "spread" = "standard deviation of depths";
     "read" = "in which order blocks of a cache are read";
     "shown" = "which picture of a shadow map";
@@ -286,7 +282,7 @@ terrafill_results::metrics! {
     );
     LAYERED_WRONG_PX = Metric::error_px(
         "layered_wrong_px",
-        "Pixels of shadows or blur outside of what the CPU's definition allows, its rounding \
+        "Pixels of shadows or blur outside of what the CPU's definition or rays allow, rounding \
          bounded.",
     );
     LAYERED_OPEN_PX = Metric::neither(
@@ -359,9 +355,8 @@ terrafill_results::metrics! {
     BLUR_RMS = Metric::error(
         "blur_rms",
         "",
-        "Root mean square error of the trail's pixels against the integral over time, full scale \
-         1.",
+        "Root mean square error of the trail's pixels against 1,024 moments by rays in f64, full \
+         scale 1.",
     );
     BLUR_MAX = Metric::error("blur_max", "", "Largest error of a pixel of the trail.");
-    BLUR_LAYERS = Metric::quantity("blur_layers", "Layers that are drawn.");
 }

@@ -4,9 +4,9 @@
 mod blurs;
 mod shadows;
 
-use crate::blur::{Filter, Moments as BlurMoments, Resolve};
+use crate::blur::Moments as BlurMoments;
 use crate::variance::{DepthFormat, Moments};
-use blurs::{blur_error, resolve_error};
+use blurs::{Filter, blur_error};
 use shadows::{NO_FLOOR, bleeding, hard_shadow, lit_plane, noise, worst_bleeding};
 use terrafill_fixtures::page::{assert_tables, markdown_table};
 use terrafill_plot::number::significant;
@@ -63,17 +63,8 @@ fn blur_rows() -> Vec<Vec<String>> {
     counts.map(row).into()
 }
 
-fn resolve_rows() -> Vec<Vec<String>> {
-    let row = |layers: u32| {
-        let rms = |resolve| significant(resolve_error(resolve, layers).rms);
-        let all = Resolve::ALL.map(rms);
-        std::iter::once(layers.to_string()).chain(all).collect()
-    };
-    [4, 8, 16, 32].map(row).into()
-}
-
 /// Every table of the page.
-fn tables() -> [String; 6] {
+fn tables() -> [String; 5] {
     let bleeding = [0.5, 1.0, 2.0, 5.0, 10.0].map(|gaps| {
         let figures = [gaps, bleeding(gaps), worst_bleeding(gaps)];
         figures.map(significant).to_vec()
@@ -109,10 +100,6 @@ fn tables() -> [String; 6] {
             "layers | point, middle | point, end | point, stratified | point, random \
              | share, middle | share, end | share, stratified | share, random",
             blur_rows(),
-        ),
-        table(
-            "layers | published | over an opaque background | current pose first",
-            resolve_rows(),
         ),
     ]
 }

@@ -92,7 +92,7 @@ impl Study for PipelinesStudy {
                 .map(boxed),
         );
         groups.push(boxed(layered::shades(is_quick, samples)));
-        groups.push(boxed(layered::blurs(is_quick, samples)));
+        groups.extend(layered::blurs(request, samples).into_iter().map(boxed));
         Ok(Planned {
             groups,
             ..Planned::default()

@@ -79,9 +79,11 @@ fn only_a_border_within_the_band_excuses_a_pixel() {
     let out = (b - a).perp().normalize();
     let inside = rays.project(10, 11).0 - border;
     let out = if out.dot(inside) > 0.0 { -out } else { out };
-    assert!(rays.may_show(border + out * 0.02, number));
-    assert!(!rays.may_show(border + out * 0.2, number));
-    assert!(!rays.may_show(border, 2 * 32 * 32 + 1));
+    let project = |place| rays.view.project(place, rays.size);
+    let may_show = |at, number| rays.may_show(at, number, |at| rays.meet(at), project);
+    assert!(may_show(border + out * 0.02, number));
+    assert!(!may_show(border + out * 0.2, number));
+    assert!(!may_show(border, 2 * 32 * 32 + 1));
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn texel(block: u32, inner: u32, version: u32) -> f32 {
 }
 
 /// Bits of a number, scattered (the finaliser of MurmurHash3).
-pub(crate) fn scatter(number: u32, seed: u32) -> u32 {
+fn scatter(number: u32, seed: u32) -> u32 {
     let mut bits = number ^ seed.wrapping_mul(0x9e37_79b9);
     bits = (bits ^ (bits >> 16)).wrapping_mul(0x85eb_ca6b);
     bits = (bits ^ (bits >> 13)).wrapping_mul(0xc2b2_ae35);

@@ -1,44 +1,45 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Motion blur on devices: a bar drawn into layers at moments of an exposure, added up by blending, or looked up at
-//! moments of each pixel's own.
+//! Motion blur on devices: a turning pot drawn into layers at moments of an exposure, or added up by blending.
 //!
-//! A picture has 64 rows, each with a bar of another place between pixels, so that it has all phases at once.
+//! Stochastic blur gives each pixel moments of its own, but a rasteriser draws one moment a draw. What stands for it is
+//! interleaved sampling (Keller and Heidrich, 2001): each pixel of a tile of 2 × 2 has layers of its own, of half the
+//! picture's side, at jittered moments. So a picture of n moments a pixel has the texels of n layers, of 4 n moments.
 
-use super::listed::{Listed, numbers_of, rectangle};
+use super::listed::{Listed, numbers_of};
 use super::on_wgpu::{Accumulator, Into};
+use super::turning::{Layer, Turning, columns};
 use crate::STUDY;
-use crate::blur::{
-    BAR_PX, BlurError, Filter, MOTION_PX, Moments, PHASES, PIXELS, Resolve, error_of, fading,
-    moment_of, starts,
-};
-use crate::cache::scatter;
-use crate::draws::{LooksUp, bits, differing};
-use crate::images::square;
-use crate::lights::{LightColumns, LightWay};
-use crate::metrics::{self, API, EXPERIMENT, FILTER, LAYERS_BY, MOMENTS, RESOLVE, SIZE_PX};
+use crate::blur::{BlurError, Moments, Resolve, error_of, moment_of};
+use crate::draws::{LooksUp, differing};
+use crate::images::{of_shares, size_px, square, write};
+use crate::lights::LightWay;
+use crate::meshes::size_of;
+use crate::metrics::{self, API, EXPERIMENT, LAYERS_BY, MOMENTS, RESOLVE};
 use crate::way::Interface;
 use bytemuck::{Pod, Zeroable};
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use terrafill_contract::{DeviceError, Devices};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
-use terrafill_shapes::grid::nearest;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
+    CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
+    verified,
 };
 
-/// A side of the picture, pixels.
-const SIDE: u32 = 64;
-/// Where the first pixel of the trail lies, so that nothing is clipped.
-const FIRST: u32 = 2;
-/// Layers of an exposure, and of the published resolve.
-const LAYERS: [u32; 6] = [4, 8, 16, 32, 64, 128];
-const QUICK_LAYERS: [u32; 3] = [32, 64, 128];
-const RESOLVED: [u32; 4] = [4, 8, 16, 32];
-/// Within this of a pixel's middle an edge may be on either side: half a step of the coarsest grid of places.
-const BAND_PX: f64 = 1.0 / 32.0;
-/// By how much a covered share may be off: both edges by half a step of 1/256 pixel.
-const SHARE_OFF: f64 = 1.0 / 256.0;
-/// Sums of at most 128 numbers up to 1 in `f32`.
+/// Layers that a pixel is made of.
+const LAYERS: [u32; 5] = [2, 4, 8, 16, 32];
+const QUICK_LAYERS: [u32; 3] = [2, 8, 32];
+/// Those of the published resolve.
+const RESOLVED: [u32; 2] = [8, 32];
+/// Layers of pictures that are kept.
+const PICTURED: [u32; 2] = [2, 16];
+/// How often a side of the pot's patches is divided.
+const LEVEL: u32 = 8;
+const QUICK_LEVEL: u32 = 4;
+/// A side of a tile whose pixels have moments of their own.
+const TILE: u32 = 2;
+/// Depths in `f32`, and sums of at most 32 of them.
 const SUM_OFF: f64 = 2e-5;
 
 /// Twin of `Blurred` in `pipelines/blurred.wgsl`.
@@ -47,21 +48,81 @@ const SUM_OFF: f64 = 2e-5;
 struct BlurredConstants {
     count: u32,
     resolve: u32,
-    motion: f32,
-    bar: f32,
-    pixels: u32,
-    padding: [u32; 3],
+    tile: u32,
+    padding: u32,
 }
 
 /// What is made of layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LayerUse {
-    /// Their mean, at middles or ends.
-    Mean {
-        filter: Filter,
-        moments: Moments,
-    },
+    /// The mean of the middles of parts of the time.
+    Mean,
+    /// The same of jittered moments of a pixel's own.
+    Jittered,
     Resolved(Resolve),
+}
+
+impl LayerUse {
+    fn tile(self) -> u32 {
+        if self == Self::Jittered { TILE } else { 1 }
+    }
+
+    /// Layers of so many a pixel, those of a pixel of a tile together.
+    fn layers(self, count: u32) -> Vec<Layer> {
+        let mut random = SplitMix64::new(5);
+        let mut layers = Vec::new();
+        let places = (0..self.tile()).flat_map(|y| (0..self.tile()).map(move |x| [x, y]));
+        for place in places {
+            let moments = match self {
+                Self::Mean => Moments::Middle.all(count, &mut random),
+                Self::Jittered => Moments::Stratified.all(count, &mut random),
+                Self::Resolved(_) => (0..count).map(|of| moment_of(of, count)).collect(),
+            };
+            layers.extend(moments.into_iter().map(|moment| Layer { moment, place }));
+        }
+        layers
+    }
+
+    /// Of the layers at these moments, whatever is made of them.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "middle",
+            Self::Jittered => "jittered",
+            Self::Resolved(_) => "trail",
+        }
+    }
+
+    /// Between which numbers a pixel may be whose layers have these ranges.
+    fn allowed(self, ranges: &[[f64; 2]]) -> [f64; 2] {
+        let count = u32::try_from(ranges.len()).unwrap_or(u32::MAX);
+        let weight = |layer| match self {
+            Self::Resolved(resolve) => resolve.weight(layer, count),
+            _ => 1.0,
+        };
+        let weighted = |of: &dyn Fn(&[f64; 2]) -> f64| -> f64 {
+            (0..)
+                .zip(ranges)
+                .map(|(at, own)| weight(at) * of(own))
+                .sum()
+        };
+        let [low, high] = [0, 1].map(|end| weighted(&|own| own[end]));
+        let all = weighted(&|_| 1.0);
+        if self != Self::Resolved(Resolve::Published) {
+            return [low / all, high / all];
+        }
+        let [sure, may] = [0, 1].map(|end| weighted(&|own| f64::from(u8::from(own[end] > 0.0))));
+        if may <= 0.0 {
+            return [0.0; 2];
+        }
+        if sure >= may {
+            return [low / sure, high / sure];
+        }
+        // A border passes by: any of the layers may be the only one that covers it, or none.
+        let covering = ranges.iter().filter(|own| own[1] > 0.0);
+        let least = covering.map(|own| own[0]).fold(f64::INFINITY, f64::min);
+        let most = ranges.iter().map(|own| own[1]).fold(0.0, f64::max);
+        [least, most]
+    }
 }
 
 /// By what layers come.
@@ -70,14 +131,12 @@ enum BlurWay {
     Layers(Interface, LightWay),
     /// Added up by blending, on wgpu.
     Added(Accumulator),
-    /// No layers: moments of each pixel's own.
-    Own(Interface),
 }
 
 impl BlurWay {
     fn interface(self) -> Interface {
         match self {
-            Self::Layers(interface, _) | Self::Own(interface) => interface,
+            Self::Layers(interface, _) => interface,
             Self::Added(_) => Interface::Wgpu,
         }
     }
@@ -86,7 +145,13 @@ impl BlurWay {
         match self {
             Self::Layers(_, way) => way.name(),
             Self::Added(accumulator) => accumulator.name(),
-            Self::Own(_) => "stochastic",
+        }
+    }
+
+    fn open(self, devices: &Devices, scene: &Listed) -> Result<Box<dyn LooksUp>, DeviceError> {
+        match self {
+            Self::Layers(interface, way) => scene.open(devices, interface, way),
+            Self::Added(accumulator) => scene.open_wgpu(devices, Into::Sum(accumulator)),
         }
     }
 }
@@ -95,51 +160,72 @@ impl BlurWay {
 struct BlurCase {
     way: BlurWay,
     made: LayerUse,
+    /// That a pixel is made of.
     layers: u32,
 }
 
-fn cases(is_quick: bool) -> Vec<BlurCase> {
-    let counts: &[u32] = if is_quick { &QUICK_LAYERS } else { &LAYERS };
-    let layered = LightWay::ALL.map(|way| BlurWay::Layers(Interface::Vulkan, way));
-    let passes = BlurWay::Layers(Interface::Wgpu, LightWay::Passes);
-    let mut cases = Vec::new();
-    for filter in Filter::ALL {
-        let mean = |moments| LayerUse::Mean { filter, moments };
-        for &layers in counts {
-            let ways = layered.into_iter().chain([passes]);
-            let ways = ways.chain(Accumulator::ALL.map(BlurWay::Added));
-            let mut ways: Vec<(BlurWay, LayerUse)> =
-                ways.map(|way| (way, mean(Moments::Middle))).collect();
-            ways.push((layered[0], mean(Moments::End)));
-            ways.extend(Interface::ALL.map(|api| (BlurWay::Own(api), mean(Moments::Random))));
-            let case = |(way, made)| BlurCase { way, made, layers };
-            cases.extend(ways.into_iter().map(case));
-        }
-    }
-    for resolve in Resolve::ALL {
-        for layers in RESOLVED {
-            let made = LayerUse::Resolved(resolve);
-            cases.extend([layered[1], passes].map(|way| BlurCase { way, made, layers }));
-        }
+fn cases(layers: u32) -> Vec<BlurCase> {
+    let on_vulkan = |way| BlurWay::Layers(Interface::Vulkan, way);
+    let case = |made| move |way| BlurCase { way, made, layers };
+    let middles = LightWay::ALL.map(on_vulkan).into_iter();
+    let middles = middles.chain([BlurWay::Layers(Interface::Wgpu, LightWay::Passes)]);
+    let middles = middles.chain(Accumulator::ALL.map(BlurWay::Added));
+    let mut cases: Vec<BlurCase> = middles.map(case(LayerUse::Mean)).collect();
+    cases.push(case(LayerUse::Jittered)(on_vulkan(LightWay::Instanced)));
+    if RESOLVED.contains(&layers) {
+        let published = on_vulkan(LightWay::Copied);
+        let resolved = Resolve::ALL.map(|resolve| case(LayerUse::Resolved(resolve))(published));
+        cases.extend(resolved);
     }
     cases
 }
 
-/// Motion blur on devices.
-pub(crate) fn group(is_quick: bool, samples: u32) -> impl Group {
-    group_of(cases(is_quick), samples)
+/// What is blurred, made when the first group is opened.
+type Shared = Rc<OnceCell<Turning>>;
+
+/// Motion blur of so many layers.
+struct Blurs {
+    turning: Shared,
+    level: u32,
+    side: u32,
+    cases: Vec<BlurCase>,
 }
 
-fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
+/// Motion blur on devices, a group for each number of layers: of all numbers together, layers would take gigabytes.
+pub(crate) fn groups(request: &Request, samples: u32) -> Vec<impl Group + use<>> {
+    let (counts, level): (&[u32], _) = if request.depth == Depth::Quick {
+        (&QUICK_LAYERS, QUICK_LEVEL)
+    } else {
+        (&LAYERS, LEVEL)
+    };
+    let shared = Shared::default();
+    let side = size_of(request).height;
+    let of = |count: &u32| group(*count, Rc::clone(&shared), level, side, samples);
+    counts.iter().map(of).collect()
+}
+
+fn group(layers: u32, turning: Shared, level: u32, side: u32, samples: u32) -> CaseGroup<Blurs> {
+    let cases = cases(layers);
     CaseGroup {
-        name: format!("{STUDY}/blurred"),
-        cases: cases.iter().map(|case| case.planned(samples)).collect(),
+        name: format!("{STUDY}/blurred-mesh/{layers}"),
+        cases: cases
+            .iter()
+            .map(|case| case.planned(side, samples))
+            .collect(),
         warm_up: None,
-        work: cases,
+        work: Blurs {
+            turning,
+            level,
+            side,
+            cases,
+        },
         open: |group, context| {
+            let Blurs { level, side, .. } = group.work;
             Ok(Box::new(BlurSession {
-                cases: &group.work,
+                turning: group.work.turning.get_or_init(|| Turning::new(level, side)),
+                group,
                 context,
+                ranges: BTreeMap::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
             }))
@@ -148,82 +234,30 @@ fn group_of(cases: Vec<BlurCase>, samples: u32) -> CaseGroup<Vec<BlurCase>> {
 }
 
 impl BlurCase {
-    fn planned(&self, samples: u32) -> PlannedCase {
+    fn planned(&self, side: u32, samples: u32) -> PlannedCase {
         let mut conditions = match self.made {
-            LayerUse::Mean { filter, moments } => vec![
-                (EXPERIMENT, "blurred".to_owned()),
-                (FILTER, filter.name().to_owned()),
-                (MOMENTS, moments.name().to_owned()),
-            ],
             LayerUse::Resolved(resolve) => vec![
-                (EXPERIMENT, "blurred-resolve".to_owned()),
+                (EXPERIMENT, "blurred-mesh-resolve".to_owned()),
                 (RESOLVE, resolve.name().to_owned()),
+            ],
+            made => vec![
+                (EXPERIMENT, "blurred-mesh".to_owned()),
+                (MOMENTS, made.name().to_owned()),
             ],
         };
         conditions.push((API, self.way.interface().name().to_owned()));
         conditions.push((LAYERS_BY, self.way.name().to_owned()));
         conditions.push((metrics::LAYERS, self.layers.to_string()));
-        planned_case(
-            STUDY,
-            samples,
-            conditions,
-            Some((SIZE_PX, SIDE.to_string())),
-        )
-    }
-
-    /// Of the same layers, however they come.
-    fn layers_name(&self) -> String {
-        format!("{:?} of {}", self.made, self.layers)
-    }
-
-    fn filter(&self) -> Filter {
-        match self.made {
-            LayerUse::Mean { filter, .. } => filter,
-            LayerUse::Resolved(_) => Filter::Point,
-        }
-    }
-
-    /// Moment of each layer.
-    fn moments(&self) -> Vec<f64> {
-        match self.made {
-            // Both are exact in f32, and none is random.
-            LayerUse::Mean { moments, .. } => moments.all(self.layers, &mut SplitMix64::new(0)),
-            LayerUse::Resolved(_) => (0..self.layers)
-                .map(|layer| moment_of(layer, self.layers))
-                .collect(),
-        }
+        planned_case(STUDY, samples, conditions, Some(size_px(square(side))))
     }
 
     /// What is drawn.
-    fn scene(&self) -> Listed {
-        let of_side = |px: f64| px / f64::from(SIDE);
-        let bar = |(row, start): (u32, f64)| {
-            let quad = |from: f64, to: f64, depths| {
-                let [from, to] = [from, to].map(|px| of_side(f64::from(FIRST) + start + px));
-                let [top, bottom] = [row, row + 1].map(|row| of_side(f64::from(row)));
-                rectangle([from, top], [to, bottom], depths)
-            };
-            let end = BAR_PX;
-            match self.filter() {
-                Filter::Point => quad(0.0, end, [1.0; 2]).to_vec(),
-                // Depth is the share of a pixel that is covered, where its middle is.
-                Filter::Box => [
-                    quad(-0.5, 0.5, [0.0, 1.0]),
-                    quad(0.5, end - 0.5, [1.0; 2]),
-                    quad(end - 0.5, end + 0.5, [1.0, 0.0]),
-                ]
-                .concat(),
-            }
-        };
-        let layer =
-            |moment: &f64| LightColumns::sheared([of_side(MOTION_PX * moment), 0.0], [0.0; 2], 0.0);
-        let is_own = matches!(self.way, BlurWay::Own(_));
+    fn scene(&self, turning: &Turning, side: u32) -> Listed {
+        let tile = self.made.tile();
         let (count, resolve) = match (self.way, self.made) {
-            (BlurWay::Own(_), _) if self.filter() == Filter::Point => (self.layers, 4),
-            (BlurWay::Own(_), _) => (self.layers, 5),
             // The sum is one layer, as it is.
             (BlurWay::Added(_), _) => (1, 0),
-            (_, LayerUse::Mean { .. }) => (self.layers, 0),
+            (_, LayerUse::Mean | LayerUse::Jittered) => (self.layers, 0),
             (_, LayerUse::Resolved(Resolve::Published)) => (self.layers, 1),
             (_, LayerUse::Resolved(Resolve::OverBackground)) => (self.layers, 2),
             (_, LayerUse::Resolved(Resolve::CurrentFirst)) => (self.layers, 3),
@@ -231,160 +265,119 @@ impl BlurCase {
         let constants = BlurredConstants {
             count,
             resolve,
-            motion: nearest(MOTION_PX),
-            bar: nearest(BAR_PX),
-            pixels: SIDE,
-            padding: [0; 3],
+            tile,
+            padding: 0,
         };
-        let moments = self.moments();
-        // Without layers one is drawn, which nothing looks up.
-        let drawn = if is_own { &moments[..1] } else { &moments };
+        let layers = self.made.layers(self.layers).into_iter();
         Listed {
-            places: (0..).zip(starts()).flat_map(bar).collect(),
-            layers: drawn.iter().map(layer).collect(),
-            side: SIDE,
-            size: square(SIDE),
-            values: starts()
-                // Whole numbers of 1/256 pixel are exact in f32.
-                .map(|start| nearest(f64::from(FIRST) + start))
-                .collect(),
+            places: turning.places(),
+            layers: layers.map(|layer| columns(layer, side, tile)).collect(),
+            side: side.div_ceil(tile),
+            size: square(side),
+            // Pictures of shadows look numbers up; these do not.
+            values: vec![0.0],
             picture: "pipelines/blurred.wgsl",
             constants: bytemuck::bytes_of(&constants).to_vec(),
         }
     }
 
-    /// Between which numbers a pixel of the trail may be.
-    fn allowed(&self, row: u32, pixel: u32, start: f64, moments: &[f64]) -> [f64; 2] {
-        if let BlurWay::Own(_) = self.way {
-            let shown = own(self.filter(), row, pixel, start, self.layers);
-            return [shown - SUM_OFF, shown + SUM_OFF];
-        }
+    /// Pixels that no rounding explains, and the error against all moments.
+    ///
+    /// - `ranges`: [`Turning::ranges`]
+    fn judge(
+        &self,
+        turning: &Turning,
+        ranges: &[Vec<[f64; 2]>],
+        numbers: &[f32],
+        side: u32,
+    ) -> (usize, BlurError) {
         let rounding = match self.way {
-            BlurWay::Added(accumulator) => accumulator.rounding(self.layers),
-            _ => SUM_OFF,
+            BlurWay::Added(accumulator) => SUM_OFF + accumulator.rounding(self.layers),
+            BlurWay::Layers(..) => SUM_OFF,
         };
-        let (mut low, mut high, mut all) = (0.0, 0.0, 0.0);
-        for (layer, moment) in (0..).zip(moments) {
-            let weight = match self.made {
-                LayerUse::Mean { .. } => 1.0,
-                LayerUse::Resolved(resolve) => resolve.weight(layer, self.layers),
-            };
-            let at = start + MOTION_PX * moment;
-            let shown = match self.filter() {
-                Filter::Point => {
-                    [-BAND_PX, 0.0, BAND_PX].map(|off| Filter::Point.layer(pixel, at + off))
-                }
-                Filter::Box => {
-                    let share = Filter::Box.layer(pixel, at);
-                    [share - SHARE_OFF, share, share + SHARE_OFF]
-                }
-            };
-            low += weight * shown.into_iter().fold(f64::INFINITY, f64::min);
-            high += weight * shown.into_iter().fold(0.0, f64::max);
-            all += weight;
-        }
-        if self.made == LayerUse::Resolved(Resolve::Published) {
-            return [low, high].map(|light| f64::from(u8::from(light > 0.0)));
-        }
-        [low / all - rounding, high / all + rounding]
-    }
-
-    /// Pixels that no rounding explains, those judged, and the error against the integral.
-    fn judge(&self, numbers: &[f32]) -> (usize, usize, BlurError) {
-        let moments = self.moments();
+        let which = usize::from(matches!(self.made, LayerUse::Resolved(_)));
         let (mut wrong, mut pairs) = (0, Vec::new());
-        for (row, start) in (0..).zip(starts()) {
-            for pixel in 0..PIXELS {
-                let at = row * SIDE + pixel + FIRST;
-                let shown = numbers.get(at as usize).copied().unwrap_or(f32::NAN);
-                let shown = f64::from(shown);
-                let [low, high] = self.allowed(row, pixel, start, &moments);
-                // What is no number is wrong.
-                wrong += usize::from(!(low..=high).contains(&shown));
-                let exact = match self.made {
-                    LayerUse::Mean { filter, .. } => filter.exact(pixel, start),
-                    LayerUse::Resolved(_) => fading(f64::from(pixel) + 0.5, start),
-                };
-                if exact > 0.0 {
-                    pairs.push((shown, exact));
-                }
+        let judged = turning.pixels.iter().zip(&turning.exact).zip(ranges);
+        for (([column, row], exact), own) in judged {
+            let shown = numbers.get((row * side + column) as usize);
+            let shown = f64::from(shown.copied().unwrap_or(f32::NAN));
+            let [low, high] = self.made.allowed(own);
+            // What is no number is wrong.
+            wrong += usize::from(!(low - rounding..=high + rounding).contains(&shown));
+            if exact[which] > 0.0 {
+                pairs.push((shown, exact[which]));
             }
         }
-        let judged = (PHASES * PIXELS) as usize;
-        (wrong, judged, error_of(pairs.into_iter()))
-    }
-}
-
-/// A pixel of moments of its own.
-fn own(filter: Filter, row: u32, pixel: u32, start: f64, count: u32) -> f64 {
-    let column = pixel + FIRST;
-    let moment = |sample: u32| {
-        let number = (row * SIDE + column) * count + sample;
-        f64::from(scatter(number, 0) >> 8) / f64::from(1 << 24)
-    };
-    let shown = (0..count).map(|sample| {
-        // The device's place is rounded to f32, which decides of edges.
-        let at = nearest(f64::from(FIRST) + start + MOTION_PX * moment(sample));
-        filter.layer(column, f64::from(at))
-    });
-    shown.sum::<f64>() / f64::from(count)
-}
-
-impl BlurCase {
-    fn open(&self, devices: &Devices) -> Result<Box<dyn LooksUp>, DeviceError> {
-        let scene = self.scene();
-        match self.way {
-            BlurWay::Layers(interface, way) => scene.open(devices, interface, way),
-            BlurWay::Added(accumulator) => scene.open_wgpu(devices, Into::Sum(accumulator)),
-            BlurWay::Own(interface) => scene.open(devices, interface, LightWay::Passes),
-        }
+        (wrong, error_of(pairs.into_iter()))
     }
 }
 
 struct BlurSession<'a> {
-    cases: &'a [BlurCase],
+    group: &'a CaseGroup<Blurs>,
     context: Context<'a>,
-    /// Bits of depths of the first way to the same layers on Vulkan.
-    first: BTreeMap<String, Vec<u32>>,
+    turning: &'a Turning,
+    /// Of layers by the name of their moments: ranges of pixels, and depths of the first way on Vulkan.
+    ranges: BTreeMap<&'static str, Vec<Vec<[f64; 2]>>>,
+    first: BTreeMap<&'static str, Vec<f32>>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn LooksUp>>,
 }
 
 impl Session for BlurSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let blurred = self.cases[case];
-        let mut opened = blurred.open(self.context.devices)?;
+        let Blurs {
+            side, ref cases, ..
+        } = self.group.work;
+        let (blurred, turning) = (cases[case], self.turning);
+        let moments = blurred.made.name();
+        let scene = blurred.scene(turning, side);
+        let mut opened = blurred.way.open(self.context.devices, &scene)?;
         let looked = opened.draw()?;
-        let (wrong, count, error) = blurred.judge(&numbers_of(&looked.picture.rgba));
-        let texels = match blurred.way {
-            BlurWay::Layers(Interface::Vulkan, _) => {
-                let depths = bits(&looked.depths);
-                let first = self.first.entry(blurred.layers_name());
-                differing(&depths, first.or_insert_with(|| depths.clone()))
-            }
-            _ => 0,
-        };
+        let ranges = self.ranges.entry(moments).or_insert_with(|| {
+            let layers = blurred.made.layers(blurred.layers);
+            turning.ranges(&layers, blurred.made.tile())
+        });
+        let numbers = numbers_of(&looked.picture.rgba);
+        let (wrong, error) = blurred.judge(turning, ranges, &numbers, side);
+        // Other sides are scaled with rounding, which llvmpipe does otherwise behind a geometry shader than without.
+        let is_compared = blurred.way.interface() == Interface::Vulkan;
+        let texels = (is_compared && scene.side.is_power_of_two()).then(|| {
+            let first = self.first.entry(moments);
+            let first = first.or_insert_with(|| looked.depths.clone());
+            let of_bits = |depths| bytemuck::cast_slice::<f32, u32>(depths);
+            differing(of_bits(&looked.depths), of_bits(first))
+        });
+        let count = turning.pixels.len();
         let reason = if wrong > 0 {
             format!("{wrong} of {count} pixels are outside of what rounding allows")
-        } else if texels > 0 {
+        } else if let Some(texels) = texels.filter(|texels| *texels > 0) {
             format!("{texels} texels of layers differ from the first way's")
+        } else if error.rms.is_nan() {
+            "it shows nothing".to_owned()
         } else {
             String::new()
         };
         let mut figures = vec![
             ("blur_rms", error.rms),
             ("blur_max", error.max),
-            ("blur_layers", f64::from(blurred.layers)),
             ("layered_wrong_px", wrong as f64),
             ("layered_judged_px", count as f64),
-            ("lights_depths_differing", texels as f64),
             ("pipeline_held_bytes", opened.bytes() as f64),
             ("lights_passes", opened.passes() as f64),
         ];
         figures.retain(|(_, value)| value.is_finite());
+        figures.extend(texels.map(|texels| ("lights_depths_differing", texels as f64)));
         figures.extend(looked.counted.figures());
         self.opened.insert(case, opened);
-        Ok(judged(reason, figures, Vec::new()))
+        let is_first = blurred.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
+        let is_shown = is_first && PICTURED.contains(&blurred.layers);
+        let notes = if is_shown || !reason.is_empty() {
+            let name = &self.group.cases[case].id.name;
+            write(self.context.folder, name, square(side), of_shares(&numbers))?
+        } else {
+            Vec::new()
+        };
+        Ok(judged(reason, figures, notes))
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {

@@ -29,11 +29,11 @@ pub(crate) struct Listed {
 /// A rectangle of one depth, as two triangles.
 ///
 /// - `from`, `to`: opposite corners
-pub(crate) fn rectangle(from: [f64; 2], to: [f64; 2], depths: [f32; 2]) -> [[f32; 4]; 6] {
+pub(crate) fn rectangle(from: [f64; 2], to: [f64; 2], depth: f32) -> [[f32; 4]; 6] {
     let at = |right: usize, down: usize| {
         let ends = [from, to];
         let (x, y) = (nearest(ends[right][0]), nearest(ends[down][1]));
-        [x, y, depths[right], 0.0]
+        [x, y, depth, 0.0]
     };
     [at(0, 0), at(1, 0), at(0, 1), at(1, 0), at(1, 1), at(0, 1)]
 }

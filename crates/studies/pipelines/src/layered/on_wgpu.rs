@@ -8,12 +8,12 @@ use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError};
 use terrafill_gpu::{Gpu, RenderTargets, read_texture};
 
-/// Where layers are drawn.
+/// Where layers are drawn, by a pass each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Into {
-    /// A layer each of one image of depths, by a pass each.
+    /// A layer each of one image of depths.
     Maps,
-    /// One image, by blending.
+    /// The same layer, which a second pass adds to a sum by blending.
     Sum(Accumulator),
 }
 
@@ -47,15 +47,22 @@ impl Accumulator {
     }
 }
 
+/// What adds a layer to a sum.
+struct Adding {
+    sum: wgpu::TextureView,
+    pipeline: wgpu::RenderPipeline,
+    looked_up: wgpu::BindGroup,
+}
+
 /// Layers and their picture.
 pub(super) struct OnWgpu {
     gpu: Arc<Gpu>,
-    layers: wgpu::Texture,
-    /// Of each pass.
+    maps: wgpu::Texture,
+    /// Of each layer of the maps.
     views: Vec<wgpu::TextureView>,
     /// Vertices and layers.
     counts: [u32; 2],
-    is_sum: bool,
+    adding: Option<Adding>,
     pipeline: wgpu::RenderPipeline,
     bound: wgpu::BindGroup,
     picture: wgpu::RenderPipeline,
@@ -67,106 +74,99 @@ pub(super) struct OnWgpu {
 impl OnWgpu {
     pub(super) fn new(gpu: &Arc<Gpu>, listed: &Listed, into: Into) -> Result<Self, DeviceError> {
         let layer_count = count(&listed.layers);
-        let (format, kept) = match into {
-            Into::Maps => (wgpu::TextureFormat::Depth32Float, layer_count),
-            Into::Sum(accumulator) => (accumulator.format(), 1),
+        let (sum_format, kept) = match into {
+            Into::Maps => (None, layer_count),
+            Into::Sum(accumulator) => (Some(accumulator.format()), 1),
         };
-        check(gpu, format, kept)?;
+        check(gpu, sum_format, kept)?;
         let uniform = wgpu::BufferUsages::UNIFORM;
         let storage = wgpu::BufferUsages::STORAGE;
         let places = gpu.upload("places", bytemuck::cast_slice(&listed.places), storage)?;
         let constants = gpu.upload("layers", &listed.layer_bytes(), uniform)?;
         let of_picture = gpu.upload("picture", &listed.constants, uniform)?;
         let values = gpu.upload("values", bytemuck::cast_slice(&listed.values), storage)?;
-        let size = [listed.side, listed.side, kept];
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
-            | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC;
-        let layers = gpu.texture("layers", size, 1, format, usage);
-        let view = |first: u32, count: u32, dimension| {
-            layers.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(dimension),
-                base_array_layer: first,
-                array_layer_count: Some(count),
-                ..Default::default()
-            })
+        let image = |label, layers, format| {
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC;
+            gpu.texture(label, [listed.side, listed.side, layers], 1, format, usage)
         };
-        let all = view(0, kept, wgpu::TextureViewDimension::D2Array);
+        let maps = image("layers", kept, wgpu::TextureFormat::Depth32Float);
         let fragment = wgpu::ShaderStages::FRAGMENT;
-        let texels = texture_type(wgpu::TextureViewDimension::D2Array);
         let types = [
             (fragment, uniform_type()),
             (wgpu::ShaderStages::VERTEX, storage_type(true)),
             (wgpu::ShaderStages::VERTEX_FRAGMENT, uniform_type()),
-            (fragment, texels),
+            (fragment, texture_type(wgpu::TextureViewDimension::D2Array)),
             (fragment, storage_type(true)),
         ];
-        let resources = [
-            of_picture.as_entire_binding(),
-            places.as_entire_binding(),
-            constants.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&all),
-            values.as_entire_binding(),
-        ];
+        let buffers = [&of_picture, &places, &constants].map(wgpu::Buffer::as_entire_binding);
         // What is drawn into is not looked up by the same pass.
-        let own = resources[..3].iter().cloned();
-        let (layout, bound) = bind(gpu, types.into_iter().take(3), own);
-        let pipeline = layer_pipeline(gpu, &layout, into)?;
-        let (layout, looked_up) = bind(gpu, types, resources);
-        let texel_bytes = format.block_copy_size(None).unwrap_or(4);
-        let views = (0..kept).map(|layer| view(layer, 1, wgpu::TextureViewDimension::D2));
-        let views = views.collect();
+        let (of_layers, bound) = bind(gpu, types.into_iter().take(3), buffers.clone());
+        let look_up = |texels: &wgpu::Texture| {
+            let all = texels.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            });
+            let behind = [
+                wgpu::BindingResource::TextureView(&all),
+                values.as_entire_binding(),
+            ];
+            bind(gpu, types, buffers.iter().cloned().chain(behind))
+        };
+        let (layout, of_maps) = look_up(&maps);
+        let texel_bytes = sum_format.and_then(|format| format.block_copy_size(None));
+        let (adding, looked_up) = match sum_format {
+            None => (None, of_maps),
+            Some(format) => {
+                let sum = image("sum", 1, format);
+                let adding = Adding {
+                    sum: one_layer(&sum, 0),
+                    pipeline: adding_pipeline(gpu, listed.picture, &layout, format)?,
+                    looked_up: of_maps,
+                };
+                (Some(adding), look_up(&sum).1)
+            }
+        };
         Ok(Self {
+            pipeline: layer_pipeline(gpu, &of_layers)?,
             picture: draw_pipeline(gpu, listed.picture, "vertex_main", &layout)?,
             looked_up,
             targets: RenderTargets::new(gpu, listed.size)?,
             gpu: Arc::clone(gpu),
-            views,
-            layers,
+            views: (0..kept).map(|layer| one_layer(&maps, layer)).collect(),
+            maps,
             counts: [count(&listed.places), layer_count],
-            is_sum: into != Into::Maps,
-            pipeline,
+            adding,
             bound,
-            bytes: u64::from(listed.side).pow(2) * u64::from(kept * texel_bytes),
+            bytes: u64::from(listed.side).pow(2) * u64::from(4 * kept + texel_bytes.unwrap_or(0)),
         })
     }
 
     fn draw_layers(&self) -> Result<(), DeviceError> {
         let [vertices, layers] = self.counts;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        for (layer, view) in (0..).zip(&self.views) {
-            let store = wgpu::StoreOp::Store;
-            let colours = [Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store,
-                },
-            })];
+        for (layer, view) in (0..layers).zip(self.views.iter().cycle()) {
             let depth = wgpu::RenderPassDepthStencilAttachment {
                 view,
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(0.0),
-                    store,
+                    store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: None,
             };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("layer"),
-                color_attachments: if self.is_sum { &colours } else { &[] },
-                depth_stencil_attachment: (!self.is_sum).then_some(depth),
+                depth_stencil_attachment: Some(depth),
                 ..Default::default()
             });
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &self.bound, &[]);
-            let drawn = if self.is_sum {
-                0..layers
-            } else {
-                layer..layer + 1
-            };
-            pass.draw(0..vertices, drawn);
+            pass.draw(0..vertices, layer..layer + 1);
+            drop(pass);
+            if let Some(adding) = &self.adding {
+                adding.record(&mut encoder, layer == 0);
+            }
         }
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()
@@ -184,11 +184,49 @@ impl OnWgpu {
     }
 }
 
+impl Adding {
+    /// Adds what the layer holds, to nothing where it is the first.
+    fn record(&self, encoder: &mut wgpu::CommandEncoder, is_first: bool) {
+        let before = if is_first {
+            wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)
+        } else {
+            wgpu::LoadOp::Load
+        };
+        let colours = [Some(wgpu::RenderPassColorAttachment {
+            view: &self.sum,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: before,
+                store: wgpu::StoreOp::Store,
+            },
+        })];
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("adding"),
+            color_attachments: &colours,
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.looked_up, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// A layer to draw into.
+fn one_layer(of: &wgpu::Texture, layer: u32) -> wgpu::TextureView {
+    of.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2),
+        base_array_layer: layer,
+        array_layer_count: Some(1),
+        ..Default::default()
+    })
+}
+
 /// Refuses what the device cannot hold or add up.
-fn check(gpu: &Gpu, format: wgpu::TextureFormat, layers: u32) -> Result<(), DeviceError> {
+fn check(gpu: &Gpu, sum: Option<wgpu::TextureFormat>, layers: u32) -> Result<(), DeviceError> {
     let allowed = gpu.device.limits().max_texture_array_layers;
     DeviceError::check_capacity("layers of an array texture", layers, allowed)?;
-    if format == wgpu::TextureFormat::R32Float {
+    if sum == Some(wgpu::TextureFormat::R32Float) {
         gpu.require(
             wgpu::Features::FLOAT32_BLENDABLE,
             "blending of 32-bit floats",
@@ -200,67 +238,89 @@ fn check(gpu: &Gpu, format: wgpu::TextureFormat, layers: u32) -> Result<(), Devi
 fn layer_pipeline(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
-    into: Into,
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
     let path = "pipelines/listed.wgsl";
     let module = gpu.shader(path)?;
-    let layout = gpu.pipeline_layout(path, &[Some(layout)]);
-    let one = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let targets = match into {
-        Into::Maps => [None],
-        Into::Sum(accumulator) => [Some(wgpu::ColorTargetState {
-            format: accumulator.format(),
-            blend: Some(wgpu::BlendState {
-                color: one,
-                alpha: one,
-            }),
-            write_mask: wgpu::ColorWrites::ALL,
-        })],
-    };
-    let depth_stencil = (into == Into::Maps).then(|| wgpu::DepthStencilState {
+    let depth_stencil = wgpu::DepthStencilState {
         format: wgpu::TextureFormat::Depth32Float,
         depth_write_enabled: Some(true),
         depth_compare: Some(wgpu::CompareFunction::Greater),
         stencil: Default::default(),
         bias: Default::default(),
-    });
-    let fragment = wgpu::FragmentState {
-        module: &module,
-        entry_point: Some("added"),
-        compilation_options: Default::default(),
-        targets: &targets,
     };
     Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(path),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("listed"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
+        layout: Some(&gpu.pipeline_layout(path, &[Some(layout)])),
+        vertex: vertices(&module, "listed"),
         primitive: Default::default(),
-        depth_stencil,
+        depth_stencil: Some(depth_stencil),
         multisample: Default::default(),
-        fragment: (into != Into::Maps).then_some(fragment),
+        fragment: None,
         multiview_mask: None,
         cache: None,
     }))
+}
+
+/// Of the whole picture, added to a target.
+///
+/// - `path`: WGSL of the picture
+fn adding_pipeline(
+    gpu: &Gpu,
+    path: &'static str,
+    layout: &wgpu::BindGroupLayout,
+    format: wgpu::TextureFormat,
+) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let module = gpu.shader(path)?;
+    let one = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let targets = [Some(wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState {
+            color: one,
+            alpha: one,
+        }),
+        write_mask: wgpu::ColorWrites::ALL,
+    })];
+    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(path),
+        layout: Some(&gpu.pipeline_layout(path, &[Some(layout)])),
+        vertex: vertices(&module, "vertex_main"),
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("added"),
+            compilation_options: Default::default(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
+}
+
+/// Vertices that have nothing but numbers.
+fn vertices<'a>(module: &'a wgpu::ShaderModule, entry_point: &'a str) -> wgpu::VertexState<'a> {
+    wgpu::VertexState {
+        module,
+        entry_point: Some(entry_point),
+        compilation_options: Default::default(),
+        buffers: &[],
+    }
 }
 
 impl LooksUp for OnWgpu {
     fn draw(&mut self) -> Result<Looked, DeviceError> {
         self.draw_layers()?;
         self.draw_picture()?;
-        let depths = if self.is_sum {
+        let depths = if self.adding.is_some() {
             Vec::new()
         } else {
             let aspect = wgpu::TextureAspect::DepthOnly;
-            bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &self.layers, aspect)?)
+            bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &self.maps, aspect)?)
         };
         Ok(Looked {
             picture: self.targets.read()?,
@@ -280,7 +340,9 @@ impl LooksUp for OnWgpu {
     }
 
     fn passes(&self) -> usize {
-        self.views.len() + 1
+        // With sums, each layer is drawn and added.
+        let each = 1 + usize::from(self.adding.is_some());
+        self.counts[1] as usize * each + 1
     }
 
     fn bytes(&self) -> u64 {

@@ -143,7 +143,7 @@ fn rim(corner: u32) -> [f64; 2] {
 }
 
 fn disc() -> Vec<[f32; 4]> {
-    let mut places = rectangle([-1.0; 2], [2.0; 2], [PLANE; 2]).to_vec();
+    let mut places = rectangle([-1.0; 2], [2.0; 2], PLANE).to_vec();
     for side in 0..SIDES {
         let corners = [[0.5; 2], rim(side), rim(side + 1)];
         places.extend(corners.map(|[x, y]| [nearest(x), nearest(y), DISC, 0.0]));
@@ -233,7 +233,7 @@ impl Shade {
                     let at = |along: usize| along as f64 / across as f64;
                     let (column, row) = (number % across, number / across);
                     let (from, to) = ([at(column), at(row)], [at(column + 1), at(row + 1)]);
-                    rectangle(from, to, [*depth; 2])
+                    rectangle(from, to, *depth)
                 };
                 let places = depths.iter().enumerate().flat_map(place);
                 (places.collect(), receivers)

@@ -10,18 +10,16 @@ use super::scene::{LightColumns, LightConstants, ground};
 use super::way::LightWay;
 use crate::STUDY;
 use crate::draws::{LooksUp as _, bits, count, differing};
-use terrafill_shapes::grid::{Grid, GridCamera, GridConstants, NEAR_M};
 use crate::images::{of_lights, of_relief, size_px, write};
 use crate::metrics::{EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use crate::on_vulkan::{heights, uniform};
-use terrafill_shapes::rays::{BAND_PX, Hit, Judged, Rays, around, within};
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::{Grid, GridCamera, GridConstants, NEAR_M};
-use terrafill_shapes::rays::{BAND_PX, Judged, Rays, around, within};
+use terrafill_shapes::rays::{BAND_PX, Hit, Judged, Rays, around, within};
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
 };

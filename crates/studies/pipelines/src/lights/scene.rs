@@ -110,7 +110,7 @@ impl LightColumns {
     }
 
     /// Of a matrix from metres to clip space.
-    pub(super) fn of_matrix(clip: &DMat4, step_m: f64) -> Self {
+    pub(crate) fn of_matrix(clip: &DMat4, step_m: f64) -> Self {
         let column = |of: DVec4| of.as_vec4().to_array();
         Self {
             column: column(clip.x_axis * step_m),

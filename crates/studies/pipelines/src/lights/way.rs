@@ -3,7 +3,8 @@
 
 use terrafill_vulkan::{GeometryOutput, LayersBy};
 
-/// Most layers into which a triangle of a list is copied by one invocation: 960 components of usually 1,024.
+/// Most layers into which one invocation copies a triangle of a list where no shader is compiled for their number: 960
+/// components of usually 1,024.
 const LISTED_COPIES: u32 = 64;
 
 terrafill_results::named! {
@@ -73,14 +74,14 @@ impl LightWay {
 
     /// As [`LightWay::geometry`], of a list's triangles.
     pub(crate) fn listed_geometry(self, layers: u32) -> Option<Option<GeometryOutput>> {
-        match (self, layers) {
-            (Self::Copied, ..=LISTED_COPIES) => {
+        // Those of lights read nothing that a list has otherwise.
+        let compiled = self.geometry(layers);
+        match self {
+            Self::Copied if compiled.is_none() && layers <= LISTED_COPIES => {
                 Some(output("native/listed.copied.spv", 3 * LISTED_COPIES, 5))
             }
-            (Self::Copied, _) => None,
-            (Self::Invoked, 32) => Some(output("native/listed.invoked32.spv", 3, 5)),
-            // Those of lights read nothing that a list has otherwise.
-            _ => self.geometry(layers),
+            Self::Invoked if layers == 32 => Some(output("native/listed.invoked32.spv", 3, 5)),
+            _ => compiled,
         }
     }
 

@@ -5,4 +5,4 @@ mod division;
 mod study;
 
 pub(crate) use division::{Division, MAX_PATCH_CELLS};
-pub(crate) use study::groups;
+pub(crate) use study::{groups, pot_mesh};

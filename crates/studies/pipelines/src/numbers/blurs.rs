@@ -1,10 +1,79 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Errors of blur by so many layers, without a device: against the integral over time, and against a trail that fades.
+//! Errors of blur by so many layers, without a device: a bar that moves across pixels against the exact integral over
+//! time.
+//!
+//! Pixels; a bar 20 pixels long moves by 32 while the shutter is open, full scale 1. The reference is the
+//! integral in closed form: of a point's coverage an interval of time, of a pixel's an integral of that.
 
-use crate::blur::{
-    BlurError, Filter, MOTION_PX, Moments, PIXELS, Resolve, error_of, fading, moment_of, starts,
-};
+use crate::blur::{BlurError, Moments, error_of};
 use terrafill_results::SplitMix64;
+
+const BAR_PX: f64 = 20.0;
+/// How far the bar moves, pixels.
+const MOTION_PX: f64 = 32.0;
+/// Places of the bar between pixels that are averaged over, apart by the golden ratio, which meets no
+/// grid.
+const PHASES: u32 = 64;
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
+/// Pixels that the trail may touch.
+const PIXELS: u32 = 54;
+
+/// What a layer shows of a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Filter {
+    /// Its middle, covered or not.
+    Point,
+    /// The share that is covered.
+    Box,
+}
+
+impl Filter {
+    /// Of a pixel, the bar beginning at `start`.
+    fn layer(self, pixel: u32, start: f64) -> f64 {
+        let left = f64::from(pixel);
+        match self {
+            Self::Point => {
+                let middle = left + 0.5;
+                f64::from(u8::from(middle >= start && middle < start + BAR_PX))
+            }
+            Self::Box => ((left + 1.0).min(start + BAR_PX) - left.max(start)).max(0.0),
+        }
+    }
+
+    /// Mean of the layers of all moments.
+    fn exact(self, pixel: u32, start: f64) -> f64 {
+        let left = f64::from(pixel);
+        match self {
+            Self::Point => covered(left + 0.5, start),
+            // The integral over the pixel of what each of its points has.
+            Self::Box => covered_until(left + 1.0, start) - covered_until(left, start),
+        }
+    }
+}
+
+/// Share of the time in which a point is covered.
+fn covered(place: f64, start: f64) -> f64 {
+    let reached = ((place - start - BAR_PX) / MOTION_PX).clamp(0.0, 1.0);
+    let left = ((place - start) / MOTION_PX).clamp(0.0, 1.0);
+    left - reached
+}
+
+/// Integral of [`covered`] from far to the left.
+fn covered_until(place: f64, start: f64) -> f64 {
+    let ramp = |from: f64| {
+        // Integral of the clamped ramp that begins there.
+        let along = (place - from) / MOTION_PX;
+        let rising = along.clamp(0.0, 1.0);
+        MOTION_PX * (0.5 * rising * rising + (along - 1.0).max(0.0))
+    };
+    ramp(start) - ramp(start + BAR_PX)
+}
+
+/// Odd multiples of 1/256 pixel, which devices' grids of places have, so that no edge meets a pixel's middle.
+fn starts() -> impl Iterator<Item = f64> {
+    (0..PHASES)
+        .map(|phase| ((f64::from(phase) * GOLDEN).fract() * 128.0).floor() / 128.0 + 1.0 / 256.0)
+}
 
 /// Error of the mean of so many layers.
 pub(super) fn blur_error(filter: Filter, moments: Moments, layers: u32) -> BlurError {
@@ -26,39 +95,6 @@ pub(super) fn blur_error(filter: Filter, moments: Moments, layers: u32) -> BlurE
     error_of(pairs.into_iter())
 }
 
-/// Of a pixel, from layers that show whether its middle is covered.
-fn shown(resolve: Resolve, layers: u32, pixel: u32, start: f64) -> f64 {
-    // Layers are white, so light is the sum of alpha.
-    let (mut light, mut all) = (0.0, 0.0);
-    for layer in 0..layers {
-        let weight = resolve.weight(layer, layers);
-        let moment = moment_of(layer, layers);
-        light += weight * Filter::Point.layer(pixel, start + MOTION_PX * moment);
-        all += weight;
-    }
-    match resolve {
-        // What no layer covers is left as it was.
-        Resolve::Published => f64::from(u8::from(light > 0.0)),
-        _ => light / all,
-    }
-}
-
-/// Error of a resolve of so many layers against a trail that fades linearly with age.
-pub(super) fn resolve_error(resolve: Resolve, layers: u32) -> BlurError {
-    let mut pairs = Vec::new();
-    for start in starts() {
-        for pixel in 0..PIXELS {
-            let place = f64::from(pixel) + 0.5;
-            let exact = fading(place, start);
-            if exact <= 0.0 {
-                continue;
-            }
-            pairs.push((shown(resolve, layers, pixel, start), exact));
-        }
-    }
-    error_of(pairs.into_iter())
-}
-
 fn slope(filter: Filter, moments: Moments, layers: [u32; 2]) -> f64 {
     let [few, many] = layers.map(|layers| blur_error(filter, moments, layers).rms);
     (many / few).ln() / (f64::from(layers[1]) / f64::from(layers[0])).ln()
@@ -66,7 +102,7 @@ fn slope(filter: Filter, moments: Moments, layers: [u32; 2]) -> f64 {
 
 #[test]
 fn the_integrals_are_those_of_many_moments() {
-    for filter in Filter::ALL {
+    for filter in [Filter::Point, Filter::Box] {
         for pixel in [0, 3, 20, 31, 33, 51] {
             let count = 100_000;
             let moments = (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
@@ -95,14 +131,4 @@ fn errors_fall_by_one_order_of_points_and_two_of_boxes_at_middles() {
     // Negative controls: ends of parts lose the order, and random moments a half.
     assert!(near(slope(Filter::Box, Moments::End, many), -1.0));
     assert!(near(slope(Filter::Point, Moments::Random, few), -0.5));
-}
-
-#[test]
-fn the_published_resolve_is_far_from_a_fading_trail() {
-    for layers in [8, 32] {
-        assert!(resolve_error(Resolve::Published, layers).rms > 0.4);
-        assert!(resolve_error(Resolve::OverBackground, layers).rms < 0.2);
-    }
-    let [few, many] = [8, 32].map(|layers| resolve_error(Resolve::CurrentFirst, layers).rms);
-    assert!(many < 0.5 * few, "{few} {many}");
 }

@@ -85,6 +85,11 @@ fn group(level: u32, size: ImageSize, samples: u32) -> CaseGroup<Divided> {
     }
 }
 
+/// Triangles of the pot divided so often.
+pub(crate) fn pot_mesh(level: u32) -> Mesh {
+    divided(&pot(), level, Cut::Published)
+}
+
 /// Triangles of patches divided so often, of places exactly on them.
 fn divided(patches: &[Patch], level: u32, cut: Cut) -> Mesh {
     let places = |patch: &Patch| {
