@@ -12,7 +12,5 @@ mod variant;
 
 pub use route_choice::RouteChoice;
 pub use switch::{Switch, SwitchError, Values, pick};
-pub use switches::{
-    BottomCap, ColourWay, CoverArea, DepthRuleChoice, FacePasses, FirstPass, StencilClear, Switches,
-};
+pub use switches::*;
 pub use variant::{Parameter, Variant};

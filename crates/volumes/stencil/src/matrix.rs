@@ -16,7 +16,7 @@ use terrafill_variant::{
 /// effect or is not allowed alone, the one that it needs.
 #[must_use]
 pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -> Vec<Variant> {
-    let changes: [fn(&mut Switches); 9] = [
+    let changes: &[fn(&mut Switches)] = &[
         |s| {
             s.colour = ColourWay::Volume;
             s.cover_culls_faces = true;
@@ -45,7 +45,11 @@ pub fn matrix_row(technique: &dyn Technique, base: &Variant, overlap: Overlap) -
     let mut row = vec![base.clone()];
     let colours = ColourWay::ALL.map(|way| base.clone().with_switches(|s| s.colour = way));
     row.extend(colours);
-    row.extend(changes.map(|change| base.clone().with_switches(change)));
+    row.extend(
+        changes
+            .iter()
+            .map(|change| base.clone().with_switches(change)),
+    );
     row.extend(technique.matrix_row(base));
     let mut coarse = base.clone();
     coarse.plan.boundary_lod_px = Some(LOD_PX);

@@ -3,28 +3,38 @@
 
 use super::*;
 
-/// Every switch away from its default.
+/// Every switch away from its default, at the first other value that its row lists.
 fn all_changed() -> Switches {
-    Switches {
-        colour: ColourWay::OneColour,
-        faces: FacePasses::TwoPass,
-        depth_rule: DepthRuleChoice::Automatic,
-        bottom_cap: BottomCap::WhereNeeded,
-        first_pass: FirstPass::Program,
-        scissor: true,
-        merges_draws: true,
-        holds_drawn_meshes: true,
-        cover_area: CoverArea::Screen,
-        cover_culls_faces: true,
-        stencil_clear: StencilClear::ByColour,
-        kept_stencil_bits: 5,
-        copies_depth: true,
-        loads_texture: true,
-        texture: Some(RouteChoice::Chosen),
-        position: Some(PositionRoute::EyeEcef),
-        superfluous_normalize: true,
-        bends_footprints: true,
+    let mut changed = Switches::default();
+    for row in TABLE {
+        let usual = (row.get)(&changed);
+        let mut others = row.values.list().into_iter();
+        let other = others.find(|value| *value != usual && row.values.allows(value));
+        let other = other.expect(row.key);
+        assert_eq!(changed.set(row.key, other), Ok(true), "{}", row.key);
     }
+    changed
+}
+
+#[test]
+fn every_field_has_a_row() {
+    let fields = |switches: Switches| -> Vec<String> {
+        let text = format!("{switches:?}");
+        text.split(", ").map(str::to_owned).collect()
+    };
+    let unchanged = |switches: Switches| -> Vec<String> {
+        let both = fields(switches)
+            .into_iter()
+            .zip(fields(Switches::default()));
+        both.filter(|(one, other)| one == other)
+            .map(|(one, _)| one)
+            .collect()
+    };
+    assert_eq!(unchanged(all_changed()), [""; 0]);
+    // Negative control: a field that no row changes.
+    let mut forgotten = all_changed();
+    forgotten.scissor = false;
+    assert_eq!(unchanged(forgotten), ["scissor: false"]);
 }
 
 #[test]
@@ -59,12 +69,20 @@ fn what_does_not_go_together_is_refused() {
     assert!(Switches::default().check(Overlap::Disjoint).is_ok());
     assert!(Switches::default().check(Overlap::Ordered).is_err());
     let plain = Switches {
-        texture: None,
-        position: None,
-        superfluous_normalize: false,
-        merges_draws: false,
-        kept_stencil_bits: 0,
-        ..all_changed()
+        colour: ColourWay::OneColour,
+        faces: FacePasses::TwoPass,
+        depth_rule: DepthRuleChoice::Automatic,
+        bottom_cap: BottomCap::WhereNeeded,
+        first_pass: FirstPass::Program,
+        scissor: true,
+        holds_drawn_meshes: true,
+        cover_area: CoverArea::Screen,
+        cover_culls_faces: true,
+        stencil_clear: StencilClear::ByColour,
+        copies_depth: true,
+        loads_texture: true,
+        bends_footprints: true,
+        ..Switches::default()
     };
     assert!(plain.check(Overlap::Ordered).is_ok());
     let kept = Switches {

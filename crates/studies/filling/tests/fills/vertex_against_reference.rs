@@ -105,7 +105,7 @@ fn culling_changes_no_pixel() {
 }
 
 /// Every key of a variant with all its values that may be verified; `zpass` has a test of its own.
-const KEYS: [(&str, &[&str]); 12] = [
+const KEYS: &[(&str, &[&str])] = &[
     ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
     (
         "colour",
@@ -132,7 +132,14 @@ const KEYS: [(&str, &[&str]); 12] = [
 ];
 
 /// Values of all keys, numbered through.
-const VALUES: usize = 31;
+const VALUES: usize = {
+    let (mut values, mut key) = (0, 0);
+    while key < KEYS.len() {
+        values += KEYS[key].1.len();
+        key += 1;
+    }
+    values
+};
 
 /// Every two values of a row, as one number.
 fn pairs(row: &[usize]) -> Vec<usize> {
@@ -195,10 +202,6 @@ fn pairwise_variants() -> Vec<Variant> {
 
 #[test]
 fn pairs_of_switches_are_all_chosen() {
-    assert_eq!(
-        KEYS.iter().map(|(_, values)| values.len()).sum::<usize>(),
-        VALUES
-    );
     let variants = pairwise_variants();
     assert!(variants.len() < 60, "{}", variants.len());
     let names: BTreeSet<String> = variants.iter().map(Variant::name).collect();
