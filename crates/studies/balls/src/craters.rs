@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Craters where balls first meet the ground, in the layers of the very array texture that balls read heights from.
 //!
-//! Each ball digs once, at its first impact: craters of one step add up, so their order does not matter. They are drawn
+//! Each ball digs once, at its first impact: craters of one step add up, so their order does not matter but for rounding. They are drawn
 //! into the layers, as considered in 2007, or the CPU reads the balls and writes the layers. Balls that come later are
 //! reflected off the changed ground. The reference takes each step in `f64` from the balls and heights that the device had,
 //! since slopes that jump from cell to cell let no arithmetic of `f32` follow `f64` for long.
@@ -312,7 +312,7 @@ impl Session for CraterSession<'_> {
                     shown.mismatched
                 )
             }
-            (_, JudgedBalls { shown: 0, .. }) => "it shows nothing".to_owned(),
+            (_, JudgedBalls { shown: 0, .. }) => "it shows no ball".to_owned(),
             _ => String::new(),
         };
         let figures = vec![
@@ -477,7 +477,7 @@ mod tests {
         };
         assert_eq!(judged(&terrain, &first, &numbers), 0);
         assert!(judged(&Terrain::flat(), &first, &numbers) > 1_000);
-        assert!(judged(&terrain, &first[..COUNT as usize - 20], &numbers) > 0);
+        assert!(judged(&terrain, &first[..COUNT as usize / 2], &numbers) > 0);
         let mut shifted = numbers.clone();
         shifted.rotate_left(1);
         assert!(judged(&terrain, &first, &shifted) > 1_000);

@@ -197,6 +197,7 @@ impl DrawnSession<'_> {
         let mut points = steps.points(size)?;
         let (walk, last, strayed, mut uploaded) =
             if let Some((walk, there)) = self.walked.get(&(way, law, count)) {
+                // Followed before: the same steps, in frames of a few.
                 let uploaded = take(steps.as_mut(), flight_steps(balls.len()))?;
                 let last = steps.read()?;
                 let mut strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();

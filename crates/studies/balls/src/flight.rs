@@ -36,7 +36,7 @@ impl Law {
 pub(crate) const RESTITUTION: f64 = 0.8;
 
 /// Radius of a crater over the speed of the ball that strikes, seconds, and depth over radius; exact in `f32`. A ball that
-/// falls 1 m digs 1.1 m wide and 28 cm deep.
+/// falls 1 m digs a crater 2.2 m wide and 28 cm deep.
 pub(crate) const CRATER_S: f64 = 0.25;
 pub(crate) const CRATER_DEPTH: f64 = 0.25;
 

@@ -155,7 +155,7 @@ terrafill_results::metrics! {
     );
     BALL_BOUNCES_ON_CRATERS = Metric::quantity(
         "ball_bounces_on_craters",
-        "Reflections of balls by ground that a crater had changed before.",
+        "Reflections of balls that end the step over a cell that a crater had changed before.",
     );
     BALL_CRATER_M = metres(
         "ball_crater_m",

@@ -7,8 +7,8 @@
 use crate::arithmetic::Real as _;
 use crate::flight::normal_of;
 use crate::terrain::{
-    BLOCKS, BallView, CELL_M, CELLS, JudgedBalls, PointConstants, SIDE_M, State, TAN_HALF_VIEW,
-    Terrain,
+    BAND_PX, BLOCKS, BallView, CELL_M, CELLS, JudgedBalls, PointConstants, SIDE_M, State,
+    TAN_HALF_VIEW, Terrain,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
@@ -21,10 +21,9 @@ const SHADER: &str = "balls/scene.wgsl";
 /// The number of the terrain's first triangle: above all balls that are drawn.
 const GROUND: u32 = 0x40_0000;
 const CELLS_ACROSS: u32 = BLOCKS * CELLS;
+const TRIANGLES: u32 = 2 * CELLS_ACROSS * CELLS_ACROSS;
 /// Radius of a ball's disc, metres.
 const RADIUS_M: f64 = 0.5;
-/// Half a step of the coarsest grid that vertices may be snapped to, pixels.
-const BAND_PX: f64 = 1.0 / 32.0;
 /// Pixels that are held against rays, about.
 const PIXELS: usize = 1 << 14;
 
@@ -204,14 +203,17 @@ impl<'a> SceneRays<'a> {
     /// Holds every so many pixels against rays. A pixel may show what a ray within 1/32 pixel of its middle meets, or a
     /// triangle that lies within as much and is no farther.
     pub(crate) fn judge(&self, numbers: &[u32]) -> JudgedBalls {
-        // Odd, so that columns are not left out.
-        let every = (numbers.len() / PIXELS).max(1) | 1;
         let width = self.size[0] as usize;
+        // Shares no factor with the width, so that no column is left out.
+        let mut every = (numbers.len() / PIXELS).max(1);
+        while common_divisor(every, width) > 1 {
+            every += 1;
+        }
         let mut judged = JudgedBalls::default();
         for (pixel, &shown) in numbers.iter().enumerate().step_by(every) {
             let middle = DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5;
             let is_right = self.meet(middle).0 == shown || self.may_show(middle, shown);
-            judged.shown += usize::from(shown > 0);
+            judged.shown += usize::from((1..GROUND).contains(&shown));
             judged.mismatched += usize::from(!is_right);
         }
         judged
@@ -226,11 +228,16 @@ impl<'a> SceneRays<'a> {
         if ring.iter().any(|(number, _)| *number == shown) {
             return true;
         }
-        let farthest = ring.iter().map(|(_, away)| *away).fold(0.0, f64::max);
+        // A ball's disc hides the ground behind it.
+        let is_ball = |number: u32| (1..GROUND).contains(&number);
+        let around = ring.iter().filter(|(number, _)| !is_ball(*number));
+        let farthest = around
+            .map(|(_, away)| *away)
+            .fold(f64::NEG_INFINITY, f64::max);
         let Some(triangle) = shown.checked_sub(GROUND) else {
             return false;
         };
-        if triangle >= 2 * CELLS_ACROSS * CELLS_ACROSS {
+        if triangle >= TRIANGLES {
             return false;
         }
         let corners = self.terrain.corners(triangle);
@@ -250,6 +257,8 @@ impl<'a> SceneRays<'a> {
             .map(move |&number| match number.checked_sub(GROUND) {
                 None if number == 0 => [205, 225, 240],
                 None => [150, 30, 30],
+                // A number of nothing, which the verdict names.
+                Some(TRIANGLES..) => [255, 0, 255],
                 Some(triangle) => {
                     let [one, other, end] = self.terrain.corners(triangle);
                     let rises = if triangle % 2 == 0 {
@@ -266,6 +275,14 @@ impl<'a> SceneRays<'a> {
                 }
             })
     }
+}
+
+/// The greatest number that divides both.
+fn common_divisor(mut one: usize, mut other: usize) -> usize {
+    while other > 0 {
+        (one, other) = (other, one % other);
+    }
+    one
 }
 
 /// Whether a triangle is within the band of a place of the picture.

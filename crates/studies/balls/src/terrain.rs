@@ -321,11 +321,12 @@ impl PointConstants {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct JudgedBalls {
     pub(crate) mismatched: usize,
+    /// Pixels that show a ball.
     pub(crate) shown: usize,
 }
 
 /// Half a step of the coarsest grid that points may be snapped to, pixels.
-const BAND_PX: f64 = 1.0 / 32.0;
+pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
 /// Depths closer than this share are equal to `f32`.
 const EQUAL_DEPTH: f64 = 1e-6;
 

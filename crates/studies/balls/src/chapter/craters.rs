@@ -7,8 +7,8 @@ use terrafill_lab::{Cases, Column, Comparison, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Claim, Finding, Outcome, Scope};
 
-const WHY_ONCE: &str = "Each ball digs once. Craters of a step add up, so their order does not matter, and as many are \
-     expected as balls have a first impact. The reference begins each step from the balls and heights that the device had: \
+const WHY_ONCE: &str = "Each ball digs once. Depths of craters of one step are added, so their order matters only by \
+     rounding. A ball must meet the ground first in the same step as in f64, unless rounding decides. The reference begins each step from the balls and heights that the device had: \
      slopes jump from cell to cell, so that a difference of micrometres is one of metres some bounces later.";
 
 pub(super) const SECTION: Section<'static> = Section {
@@ -19,8 +19,8 @@ pub(super) const SECTION: Section<'static> = Section {
            0.25 s × its speed in radius, a quarter of that deep. Layers are drawn into: a pass a layer, in which blending \
            takes craters off heights. Or the CPU reads the balls and writes the struck layers. Each step is held \
            against f64 from the same balls and heights: places, velocities, first impacts, and all heights. Pictures \
-           show the terrain's triangles and a disc of half a metre for each ball. One pixel in some, 16,000 of a \
-           picture, is held against rays in f64. A time is the mean over all steps.",
+           show the terrain's triangles and a disc of half a metre for each ball. Of each picture some 13,000 pixels \
+           or more, evenly spread, are held against rays in f64. A time is the mean over all steps.",
     cases: Select::With(PART, "craters"),
     named_by: Names::Columns(&[("craters", CRATER_WAY), ("balls", BALLS)]),
     columns: &[
@@ -33,7 +33,7 @@ pub(super) const SECTION: Section<'static> = Section {
         Column::metric("a height's error, m", BALL_CRATER_M),
         Column::metric("torn heights", BALL_CRATER_TORN),
         Column::metric("a step's error, m", BALL_TERRAIN_STEP_M),
-        Column::metric("wrong pixels", BALL_MISMATCHED_PX),
+        Column::metric("wrong pixels of those looked at", BALL_MISMATCHED_PX),
     ],
     findings: &[drawn_is_faster],
     pictures: &[("picture", "")],

@@ -16,7 +16,7 @@ const LAYERS: u32 = BLOCKS * BLOCKS;
 terrafill_results::named! {
     /// How craters come into the ground.
     all pub(crate) enum CraterWay {
-        /// Not at all: what the others are compared with.
+        /// Not at all: what a step costs without craters.
         Nothing = "none",
         /// Layers are drawn into.
         Drawn = "drawn-into-layers",
@@ -52,7 +52,7 @@ pub(crate) struct Cratering {
     bound: [wgpu::BindGroup; 2],
     /// As the CPU has them, which writes layers anew.
     known: Snapshot,
-    /// That the CPU wrote.
+    /// Bytes of heights that the CPU wrote since the start.
     pub(crate) written_bytes: u64,
 }
 
