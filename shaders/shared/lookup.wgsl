@@ -2,7 +2,7 @@
 #import shared/layers.wgsl
 
 @group(0) @binding(3) var maps: texture_2d_array<f32>;
-// Of each pixel, or of each row.
+// Of each pixel.
 @group(0) @binding(4) var<storage, read> values: array<f32>;
 
 // One triangle covers the picture.

@@ -51,6 +51,9 @@ impl LayerPipeline {
             fits,
             "colours of layers by a pipeline of depth alone, or depth by one of colours",
         )?;
+        // A fragment's number of its triangle is of that feature.
+        let can_number = fragment.is_none() || gpu.facts.features.geometry_shader;
+        gpu.require(can_number, "geometryShader")?;
         let stage = |flag, name| ShaderStage::new(gpu, flag, ModuleKey::Compiled(name), "main");
         let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)?];
         if let Some(output) = geometry {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Depth maps in the layers of one image, with colours in those of another where they are asked for. They are drawn one after the other, all at once by a stage that chooses
-//! the layer, or some at once as views of one draw.
+//! Depth maps in the layers of one image, with colours in those of another where they are asked for.
+//!
+//! They are drawn one after the other, all at once by a stage that chooses the layer, or some at once as views of one
+//! draw.
 
 use crate::Gpu;
 use crate::image::{Image, ImageKind, ImageShape};

@@ -3,8 +3,8 @@
 //! with its geometry image.
 //!
 //! Metres, z up, unless a shape says otherwise. Triangles and points are numbered from 1 on, and pictures show these
-//! numbers. What is drawn of them is judged here and nowhere else, by rays that know no matrix and no list of
-//! vertices. Snapping of vertices by a device is allowed for; see [`rays::BAND_PX`].
+//! numbers. Pictures of these numbers are judged here, by rays that know no matrix and no list of vertices.
+//! Snapping of vertices by a device is allowed for; see [`rays::BAND_PX`].
 
 pub mod dents;
 pub mod distance;

@@ -130,7 +130,7 @@ impl<'a> Rays<'a> {
         self.follow(self.view.eye, self.direction(at_px))
     }
 
-    /// Where that is, metres.
+    /// Where the ray through a place of the picture, pixels, meets the ground, metres.
     pub fn place(&self, at_px: DVec2) -> Option<DVec3> {
         let hit = self.meet(at_px)?;
         Some(self.view.eye + self.direction(at_px) * hit.away_m)
@@ -411,7 +411,7 @@ fn is_near_pixel(at: DVec2, pixel: usize, width: u32) -> bool {
     inside.min_element() >= -BAND_PX && inside.max_element() <= 1.0 + BAND_PX
 }
 
-/// 0 inside.
+/// Distance of a place from a triangle of the picture, pixels; 0 inside.
 pub fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
     let [a, b, c] = corners;
     let sides = [(a, b), (b, c), (c, a)];

@@ -6,7 +6,7 @@
 //! geometry shaders. Ground in tiles is culled patch by patch in every place that can, blocks of it are kept
 //! in all that can keep them, and depth maps of several lights are drawn by every way to layers. Pictures
 //! show numbers of triangles or of lights, which `f64` rays verify. Variance shadows and motion blur are drawn into
-//! layers too, and held against definitions on the CPU. What formulas alone say of them is in
+//! layers too: shadows are held against definitions on the CPU, blur against rays. What formulas alone say of them is in
 //! `docs/pipeline-numbers.md`. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan,
 //! "Exploiting the Shader Model 4.0 Architecture" (2007).
 

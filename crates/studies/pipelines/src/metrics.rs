@@ -254,12 +254,13 @@ terrafill_results::metrics! {
     .covering(Scope::UPLOAD);
     LIGHTS_PASSES = Metric::counter(
         "lights_passes",
-        "Passes of a frame: those of the lights' depth maps and that of the picture.",
+        "Passes of a frame: those that draw or add up layers, and that of the picture.",
     );
     LIGHTS_DEPTHS_DIFFERING = Metric::error(
         "lights_depths_differing",
         "",
-        "Depths of all maps, and colours of a cube's faces, whose bits differ from those of a pass a light or face.",
+        "Depths of all layers, and colours of a cube's faces, whose bits differ from those of the first way drawn, \
+         usually a pass a layer.",
     );
     LIGHTS_MAP_ERROR = Metric::error(
         "lights_map_error",
@@ -269,10 +270,10 @@ terrafill_results::metrics! {
     );
     LIGHTS_MAPS_CPU_MS = Metric::time_ms(
         "lights_maps_cpu_ms",
-        "Process CPU time of the depth maps alone.",
+        "Process CPU time of the layers alone.",
     )
     .covering(Scope::DRAW);
-    LIGHTS_MAPS_GPU_MS = Metric::time_ms("lights_maps_gpu_ms", "GPU time of the depth maps alone.")
+    LIGHTS_MAPS_GPU_MS = Metric::time_ms("lights_maps_gpu_ms", "GPU time of the layers alone.")
         .covering(Scope::DRAW);
     LAYERED_WRONG_TEXELS = Metric::error(
         "layered_wrong_texels",

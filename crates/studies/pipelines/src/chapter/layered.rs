@@ -123,7 +123,8 @@ pub(super) const BLUR: Section<'static> = Section {
            its depth: near is light. Beside it each moment is drawn and then added to a sum by blending. A rasteriser \
            draws one moment a draw, so interleaved sampling stands for stochastic blur: each pixel of a tile of 2 × 2 \
            has jittered moments of its own, in layers of half the side. Every way is held against the mean of its own \
-           moments by rays in double precision, 1/32 pixel along borders left open. The error is against 1,024 moments. \
+           moments by rays in double precision, at one pixel in 129 of pictures of 1,024. Along borders 1/32 texel of \
+           a layer is left open. Layers are compared bit by bit where the side is a power of two. The error is against 1,024 moments. \
            Resolves of a trail that fades are held against that trail.",
     cases: Select::Fitting(|case| case.condition(EXPERIMENT).starts_with("blurred")),
     named_by: Names::Columns(&[

@@ -49,9 +49,9 @@ pub(super) const SECTION: Section<'static> = Section {
 pub(super) const CUBE: Section<'static> = Section {
     title: "A cube map in one pass",
     caption: "Six faces of a cube of depths and colours, by every way on Vulkan",
-    text: "A cube of depths and colours around a place above the ground has six faces, the layers of two images: a pass each, all in one \
-           pass whose geometry shader is compiled for six copies or six invocations, by instances whose vertex shader \
-           chooses the layer, or as six views. A colour is the number of a triangle. All ways leave the same depths and colours bit for bit. Rays in f64 from \
+    text: "A cube of depths and colours around a place above the ground has six faces, the layers of two images. They are \
+           drawn in a pass each, or in one pass: by a geometry shader for six copies or six invocations, by instances \
+           whose vertex shader chooses the layer, or as six views. A colour is the number of a triangle. All ways leave the same depths and colours bit for bit. Rays in f64 from \
            the middle judge all texels along the seams and one in 61 of the others; the picture says which face sees a pixel, and \
            whether the middle does.",
     cases: Select::With(EXPERIMENT, "cube"),
@@ -71,7 +71,7 @@ pub(super) const CUBE: Section<'static> = Section {
         Column::metric("wrong along seams", CUBE_SEAM_WRONG),
         Column::metric("wrong elsewhere", CUBE_INNER_WRONG),
         Column::metric("wrong colours", CUBE_COLOUR_WRONG),
-        Column::metric("depths that differ", LIGHTS_DEPTHS_DIFFERING),
+        Column::metric("texels that differ", LIGHTS_DEPTHS_DIFFERING),
         Column::metric("wrong pixels", PIPELINE_MISMATCHED_PX),
     ],
     pictures: &[("picture", ""), ("faces", "Six faces, unfolded")],
@@ -141,10 +141,11 @@ fn maps(clock: Clock) -> &'static Metric {
     clock.pick(LIGHTS_MAPS_GPU_MS, LIGHTS_MAPS_CPU_MS)
 }
 
-/// What is required: the same depths everywhere.
+/// What is required: the same texels everywhere.
 pub(super) fn requirement(cases: &Cases<'_>) -> Option<Finding> {
     let own = cases.fitting(|case| ["lights", "cube"].contains(&case.condition(EXPERIMENT)));
-    let claim = "Every way to the maps of several lights, and to a cube's faces, leaves the same depths, bit for bit";
+    let claim = "Every way to the maps of several lights leaves the same depths, and to a cube's faces the same depths and colours, \
+                 bit for bit";
     (!own.is_empty()).then(|| none_of(claim, "texels differ", &own.values(LIGHTS_DEPTHS_DIFFERING)))
 }
 

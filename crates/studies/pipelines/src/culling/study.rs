@@ -160,10 +160,14 @@ impl Truth {
         self.needed.iter().filter(|needed| **needed).count()
     }
 
-    /// What a way misses; `None` where its list is none, or where it says how many it kept and no list of its test has
-    /// as many. The fused steps of a point's test are the same bits in every stage, so as many are the same ones.
+    /// What a way misses. `None` where its list is none of the ground's, or where it only says how many it kept and no
+    /// list of its test has as many. Of a box, counts alone decide nothing: its steps may round otherwise in a stage. Those
+    /// of a point's test are fused, so they are the same bits in every stage, and as many patches are the same ones.
     fn missed(&mut self, test: Test, kept: &Kept) -> Option<Missed> {
         let Kept::List(patches) = kept else {
+            if test == Test::Box {
+                return None;
+            }
             let mut listed = self.listed.iter();
             let same = listed.find(|listed| (listed.0, listed.1) == (test, kept.count()));
             return same.map(|listed| listed.2);
@@ -251,7 +255,7 @@ impl Session for CullSession<'_> {
             shown,
         };
         let (reason, figures) = found.against(truth);
-        // What differs from the first way's picture is red.
+        // What differs from the first way's picture, and rays do not allow, is red.
         let notes = if is_kept(&self.group.work.cases[case], &wrong) {
             let pixels = of_numbers(&numbers, Some(ground.grid.cells), &wrong);
             write(self.context.folder, &planned.id.name, size, pixels)?
@@ -271,7 +275,7 @@ struct CullOutcome {
     shown: Shown,
     missed: Option<Missed>,
     judged: Judged,
-    /// Pixels that differ from the first way's.
+    /// Pixels that differ from the first way's, and of which rays do not allow both.
     differing: usize,
 }
 
@@ -323,6 +327,7 @@ impl CullOutcome {
         if self.judged.shown == 0 {
             reasons.push("it shows nothing".to_owned());
         }
+        // Where the device counts what is kept by these primitives, only a part of a patch is noticed.
         let expected = kept * u64::from(PATCH_TRIANGLES);
         if let Some(found) = counted.primitives.filter(|found| *found != expected) {
             reasons.push(format!(
@@ -401,7 +406,7 @@ mod tests {
         let needed: Vec<u32> = numbers.map(|(at, _)| at).collect();
         let mut said = |kept: Kept, differing| {
             let outcome = CullOutcome {
-                missed: truth.missed(Test::Box, &kept),
+                missed: truth.missed(Test::Point(1.0), &kept),
                 shown: Shown {
                     picture: Picture {
                         size: PICTURE,
@@ -428,6 +433,9 @@ mod tests {
         // As many as the list that lost one.
         assert!(said(Kept::Count(all - 1), 0).contains("1 of "));
         assert!(said(Kept::List(vec![0, 0]), 0).contains("twice"));
-        assert!(said(Kept::List(needed), 2).contains("2 pixels differ"));
+        assert!(said(Kept::List(needed.clone()), 2).contains("2 pixels differ"));
+        // Of boxes as many may be others.
+        assert!(truth.missed(Test::Box, &Kept::List(needed)).is_some());
+        assert!(truth.missed(Test::Box, &Kept::Count(all)).is_none());
     }
 }

@@ -6,7 +6,7 @@
 //! picture's side, at jittered moments. So a picture of n moments a pixel has the texels of n layers, of 4 n moments.
 
 use super::listed::{Listed, numbers_of};
-use super::on_wgpu::{Accumulator, Into};
+use super::on_wgpu::{Accumulator, DrawnInto};
 use super::turning::{Layer, Turning, columns};
 use crate::STUDY;
 use crate::blur::{BlurError, Moments, Resolve, error_of, moment_of};
@@ -117,11 +117,14 @@ impl LayerUse {
         if sure >= may {
             return [low / sure, high / sure];
         }
-        // A border passes by: any of the layers may be the only one that covers it, or none.
-        let covering = ranges.iter().filter(|own| own[1] > 0.0);
-        let least = covering.map(|own| own[0]).fold(f64::INFINITY, f64::min);
+        // A border passes by: layers that may cover it add at most their own, and at least nothing.
         let most = ranges.iter().map(|own| own[1]).fold(0.0, f64::max);
-        [least, most]
+        let highest = if sure > 0.0 {
+            (high / sure).min(most)
+        } else {
+            most
+        };
+        [low / may, highest]
     }
 }
 
@@ -151,7 +154,7 @@ impl BlurWay {
     fn open(self, devices: &Devices, scene: &Listed) -> Result<Box<dyn LooksUp>, DeviceError> {
         match self {
             Self::Layers(interface, way) => scene.open(devices, interface, way),
-            Self::Added(accumulator) => scene.open_wgpu(devices, Into::Sum(accumulator)),
+            Self::Added(accumulator) => scene.open_wgpu(devices, DrawnInto::Sum(accumulator)),
         }
     }
 }
@@ -340,7 +343,9 @@ impl Session for BlurSession<'_> {
         let numbers = numbers_of(&looked.picture.rgba);
         let (wrong, error) = blurred.judge(turning, ranges, &numbers, side);
         // Other sides are scaled with rounding, which llvmpipe does otherwise behind a geometry shader than without.
-        let is_compared = blurred.way.interface() == Interface::Vulkan;
+        // Jittered moments and trails come by one way, which is compared with nothing.
+        let is_compared =
+            blurred.made == LayerUse::Mean && blurred.way.interface() == Interface::Vulkan;
         let texels = (is_compared && scene.side.is_power_of_two()).then(|| {
             let first = self.first.entry(moments);
             let first = first.or_insert_with(|| looked.depths.clone());

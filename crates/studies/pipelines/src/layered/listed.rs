@@ -12,14 +12,14 @@ pub(crate) const MOST_LAYERS: usize = 128;
 /// What is drawn and looked up.
 #[derive(Debug, Clone)]
 pub(crate) struct Listed {
-    /// Vertices, three a triangle: across and along the rows from 0 to 1, and depth.
+    /// Vertices, three a triangle, in the space that the layers' matrices take: the unit square and depth, or metres.
     pub(crate) places: Vec<[f32; 4]>,
     pub(crate) layers: Vec<LightColumns>,
     /// A side of a layer, texels.
     pub(crate) side: u32,
     /// Of the picture.
     pub(crate) size: ImageSize,
-    /// Of each pixel, or of each row.
+    /// Of each pixel, where the picture reads them.
     pub(crate) values: Vec<f32>,
     /// WGSL of the picture, and its constants.
     pub(crate) picture: &'static str,

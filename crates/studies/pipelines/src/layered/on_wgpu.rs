@@ -10,7 +10,7 @@ use terrafill_gpu::{Gpu, RenderTargets, read_texture};
 
 /// Where layers are drawn, by a pass each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Into {
+pub(crate) enum DrawnInto {
     /// A layer each of one image of depths.
     Maps,
     /// The same layer, which a second pass adds to a sum by blending.
@@ -37,13 +37,14 @@ impl Accumulator {
 
     /// Largest rounding of a sum of so many layers that is at most 1.
     pub(crate) fn rounding(self, layers: u32) -> f64 {
-        let step = match self {
-            Self::F32 => f64::from(f32::EPSILON),
-            Self::F16 => (-10_f64).exp2(),
-            Self::Eight => 1.0 / 255.0,
+        // Half the widest step between numbers up to 1.
+        let half_step = match self {
+            Self::F32 => 0.25 * f64::from(f32::EPSILON),
+            Self::F16 => (-12_f64).exp2(),
+            Self::Eight => 0.5 / 255.0,
         };
-        // Half a step of what is added, half a step of the sum, for every layer.
-        (f64::from(layers) + 2.0) * step
+        // One rounding of the sum a layer; those of what is added are together at most two more.
+        (f64::from(layers) + 2.0) * half_step
     }
 }
 
@@ -72,11 +73,15 @@ pub(super) struct OnWgpu {
 }
 
 impl OnWgpu {
-    pub(super) fn new(gpu: &Arc<Gpu>, listed: &Listed, into: Into) -> Result<Self, DeviceError> {
+    pub(super) fn new(
+        gpu: &Arc<Gpu>,
+        listed: &Listed,
+        into: DrawnInto,
+    ) -> Result<Self, DeviceError> {
         let layer_count = count(&listed.layers);
         let (sum_format, kept) = match into {
-            Into::Maps => (None, layer_count),
-            Into::Sum(accumulator) => (Some(accumulator.format()), 1),
+            DrawnInto::Maps => (None, layer_count),
+            DrawnInto::Sum(accumulator) => (Some(accumulator.format()), 1),
         };
         check(gpu, sum_format, kept)?;
         let uniform = wgpu::BufferUsages::UNIFORM;

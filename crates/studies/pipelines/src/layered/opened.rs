@@ -2,7 +2,7 @@
 //! Opening layers and their picture on an interface.
 
 use super::listed::Listed;
-use super::on_wgpu::{Into, OnWgpu};
+use super::on_wgpu::{DrawnInto, OnWgpu};
 use crate::draws::{LooksUp, count};
 use crate::lights::{LayerParts, LightWay, OnVulkan};
 use crate::on_vulkan::uniform;
@@ -46,7 +46,7 @@ impl Listed {
                 };
                 Ok(Box::new(OnVulkan::with(&gpu, parts)?))
             }
-            Interface::Wgpu => self.open_wgpu(devices, Into::Maps),
+            Interface::Wgpu => self.open_wgpu(devices, DrawnInto::Maps),
         }
     }
 
@@ -54,7 +54,7 @@ impl Listed {
     pub(crate) fn open_wgpu(
         &self,
         devices: &Devices,
-        into: Into,
+        into: DrawnInto,
     ) -> Result<Box<dyn LooksUp>, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         Ok(Box::new(OnWgpu::new(&gpu, self, into)?))
