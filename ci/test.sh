@@ -120,7 +120,7 @@ cargo xtask check-validation-log "$log"
 
 section "documentation tests"
 # Building the documentation of every crate once more takes a minute, so only where there is an example.
-if grep -rqE '^ *//[/!] ```' crates xtask --include='*.rs'; then
+if grep -rqE '^ *//[/!] +(```|~~~)' crates xtask --include='*.rs'; then
     cargo test --workspace --doc --locked --quiet
 else
     echo "no example stands in a doc comment"

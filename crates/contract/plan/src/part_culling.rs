@@ -32,6 +32,7 @@ impl FramePlan {
                 self.regions.push(planned);
                 self.seen_parts.insert(planned.mesh, seen);
             } else {
+                // A pixel that shows the region shows one of its facets' parts.
                 let last = seen.left_out.into_keys().next_back();
                 let reason = last.unwrap_or(LeftOutReason::OutsideFrustum);
                 self.place(planned.region, Err(reason));

@@ -237,6 +237,7 @@ pub fn self_test(
         options.floors.frame.percent = test.floor_percent;
         let mut gate = compare_times(&mut job, &of_frames, &options)?;
         if test.injection.is_none() {
+            // Of equal work no side is the slower one.
             let mut times = BTreeMap::new();
             for of in of_frames.iter().filter(|of| of.span == Span::Frame) {
                 let base = job.times(Side::Base, &of.metric)?;
@@ -248,6 +249,7 @@ pub fn self_test(
                 .extend(compare_setups(&mut job, &of_setups, &options)?);
             proof.rates.count(&gate.cases, false);
         } else {
+            // Frames are what is added.
             gate.cases.retain(|case| case.span == Span::Frame);
             proof.rates.count(&gate.cases, is_swapped);
         }

@@ -30,6 +30,10 @@ fn every_field_has_a_row() {
             .map(|(one, _)| one)
             .collect()
     };
+    assert_eq!(
+        fields(all_changed()).len(),
+        fields(Switches::default()).len()
+    );
     assert_eq!(unchanged(all_changed()), [""; 0]);
     // Negative control: a field that no row changes.
     let mut forgotten = all_changed();
