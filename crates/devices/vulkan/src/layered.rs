@@ -112,7 +112,10 @@ impl LayeredDepth {
         let image = Image::new(gpu, "depth maps", &kind)?;
         gpu.work.count_texture(image.bytes(TEXEL_BYTES));
         let colours = (contents == LayerContents::DepthAndColour).then(|| {
-            let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+            // Left as shaders read it, which asks for that use.
+            let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
+                | vk::ImageUsageFlags::SAMPLED
+                | vk::ImageUsageFlags::TRANSFER_SRC;
             let kind = ImageKind {
                 shape: ImageShape::Array(layers),
                 ..ImageKind::flat(extent, COLOUR_FORMAT, usage)
