@@ -1,5 +1,6 @@
-// Study `balls`: four vertices around the crater of a ball that has met the ground for the first time in a step, an instance
-// a layer and ball; one fragment writes how deep the crater is at a sample, which blending takes off the layer's height.
+// Study `balls`: four vertices stand around the crater of a ball that has met the ground for the first time in a step,
+// an instance a layer and ball. One fragment writes how deep the crater is at a sample, which blending takes off the
+// layer's height.
 struct BallConstants {
     step_s: f32,
     gravity: f32,

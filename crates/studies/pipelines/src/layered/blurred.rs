@@ -2,7 +2,7 @@
 //! Motion blur on devices: a turning pot drawn into layers at moments of an exposure, or added up by blending.
 //!
 //! Stochastic blur gives each pixel moments of its own, but a rasteriser draws one moment a draw. What stands for it is
-//! interleaved sampling (Keller and Heidrich, 2001): each pixel of a tile of 2 × 2 has layers of its own, of half the
+//! interleaved sampling (Keller and Heidrich, 2001). Each pixel of a tile of 2 × 2 has layers of its own, of half the
 //! picture's side, at jittered moments. So a picture of n moments a pixel has the texels of n layers, of 4 n moments.
 
 use super::listed::{Listed, numbers_of};

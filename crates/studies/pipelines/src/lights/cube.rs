@@ -320,8 +320,8 @@ struct FirstCube {
     found: Judged,
 }
 
-/// Faces as a cross of four across and three down: along the middle those that look level, turning right; above the
-/// second what is above, below the fourth what is below, so that all that touch have their seam in common.
+/// Faces as a cross of four across and three down. Those that look level are along the middle, turning right. What is
+/// above lies above the second, what is below lies below the fourth, so that all that touch have their seam in common.
 fn unfolded(numbers: &[u32], side: u32, size: ImageSize) -> Vec<u32> {
     const AROUND: [u32; 4] = [0, 3, 1, 2];
     let pixel = |at: u32| {
