@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Craters where balls first meet the ground, in the layers of the very array texture that balls read heights from.
 //!
-//! Each ball digs once, at its first impact: craters of one step add up, so their order does not matter but for rounding. They are drawn
-//! into the layers, as considered in 2007, or the CPU reads the balls and writes the layers. Balls that come later are
-//! reflected off the changed ground. The reference takes each step in `f64` from the balls and heights that the device had,
-//! since slopes that jump from cell to cell let no arithmetic of `f32` follow `f64` for long.
+//! Each ball digs once, at its first impact: craters of one step add up, so their order matters by rounding alone. They
+//! are drawn into the layers, as considered in 2007, or the CPU reads the balls and writes the layers. Balls that come
+//! later are reflected off the changed ground. The reference takes each step in `f64` from the balls and heights that the
+//! device had. Slopes jump from cell to cell, so no arithmetic of `f32` follows `f64` for long.
 
 mod on_wgpu;
 
@@ -19,7 +19,7 @@ use crate::metrics::{BALLS, CRATER_WAY, GROUND, INTEGRATOR, INTERFACE, PART, SIZ
 use crate::scene::SceneRays;
 use crate::stepping::Stepping;
 use crate::steps::BallConstants;
-use crate::terrain::{BLOCKS, CELL_M, CELLS, JudgedBalls, SAMPLES, State, Terrain, whole};
+use crate::terrain::{BLOCKS, CELL_M, CELLS, SAMPLES, State, Terrain, whole};
 use crate::walk::{flight_steps, most};
 use glam::{DVec2, DVec3};
 use on_wgpu::{Cratering, Snapshot};
@@ -299,22 +299,15 @@ impl Session for CraterSession<'_> {
         let numbers = cratering.picture(size)?;
         let rays = SceneRays::new(&last.ground, &last.balls, size);
         let shown = rays.judge(&numbers);
-        let reason = match (strikes.reason(digs), shown) {
-            (reason, _) if !reason.is_empty() => reason,
-            (
-                _,
-                JudgedBalls {
-                    mismatched: 1.., ..
-                },
-            ) => {
-                format!(
-                    "{} pixels show what the reference does not allow",
-                    shown.mismatched
-                )
-            }
-            (_, JudgedBalls { shown: 0, .. }) => "it shows no ball".to_owned(),
-            _ => String::new(),
-        };
+        let mut reason = strikes.reason(digs);
+        if reason.is_empty() && shown.mismatched > 0 {
+            reason = format!(
+                "{} pixels show what the reference does not allow",
+                shown.mismatched
+            );
+        } else if reason.is_empty() && !SceneRays::shows_balls(&numbers) {
+            reason = "it shows no ball".to_owned();
+        }
         let figures = vec![
             ("ball_terrain_step_m", strikes.step_m),
             ("ball_terrain_step_speed", strikes.step_speed),

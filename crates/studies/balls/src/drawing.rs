@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Balls drawn from the buffer that their step wrote: all by one draw, or by a draw each as in the published text.
 
-use crate::terrain::{BallView, PointConstants};
+use crate::terrain::{PointConstants, ball_view};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture};
@@ -59,7 +59,7 @@ impl VulkanPoints {
         states: &[Arc<Buffer>; 2],
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
-        let constants = PointConstants::new(&BallView::new());
+        let constants = PointConstants::new(&ball_view());
         let bytes = bytemuck::bytes_of(&constants);
         let constants = Arc::new(Buffer::upload(
             gpu,
@@ -125,7 +125,7 @@ impl WgpuPoints {
         states: &[wgpu::Buffer; 2],
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
-        let constants = PointConstants::new(&BallView::new());
+        let constants = PointConstants::new(&ball_view());
         let bytes = bytemuck::bytes_of(&constants);
         let constants = gpu.upload("view of balls", bytes, wgpu::BufferUsages::UNIFORM)?;
         let types = [

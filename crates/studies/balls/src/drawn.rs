@@ -9,13 +9,14 @@ use crate::metrics::{BALLS, DRAWN, GROUND, INTEGRATOR, INTERFACE, PART, SIZE_PX,
 use crate::on_devices::{TIMED, constants, take};
 use crate::stepping::Stepping;
 use crate::steps::{BallConstants, Steps};
-use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
+use crate::terrain::{State, Terrain, ball_view, judge};
 use crate::walk::{FLIGHT_STEPS_PER_SECOND, Walk, flight_steps, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
+use terrafill_shapes::rays::Judged;
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, Request, Session, judged, planned_case, verified,
 };
@@ -176,7 +177,7 @@ struct BallOutcome {
     uploaded: u64,
     /// Bytes that may be: the CPU writes what it steps itself.
     allowed: u64,
-    judged: JudgedBalls,
+    judged: Judged,
     differing: usize,
     draws: usize,
 }
@@ -222,7 +223,7 @@ impl DrawnSession<'_> {
             uploaded += steps.uploaded() - before;
             let numbers = ids_of(&points.read()?);
             let ImageSize { width, height } = size;
-            found.judged = judge(&BallView::new(), [width, height], &last, &numbers);
+            found.judged = judge(&ball_view(), [width, height], &last, &numbers);
             let first = self.first.entry((way, count));
             let first = first.or_insert_with(|| numbers.clone());
             found.differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
@@ -399,7 +400,7 @@ mod tests {
             drawn.expect("draws");
             let numbers = ids_of(&points.read().expect("a picture"));
             let size = [SIZE.width, SIZE.height];
-            let judged = |balls: &[State]| judge(&BallView::new(), size, balls, &numbers);
+            let judged = |balls: &[State]| judge(&ball_view(), size, balls, &numbers);
             assert_eq!(judged(&last).mismatched, 0, "{way:?}");
             assert!(judged(&first).mismatched > 0, "{way:?}");
         }
@@ -432,9 +433,9 @@ mod tests {
         };
         let right = BallOutcome {
             walk,
-            judged: JudgedBalls {
-                mismatched: 0,
+            judged: Judged {
                 shown: 9,
+                ..Judged::default()
             },
             draws: 1,
             ..BallOutcome::default()

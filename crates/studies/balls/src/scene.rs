@@ -7,8 +7,7 @@
 use crate::arithmetic::Real as _;
 use crate::flight::normal_of;
 use crate::terrain::{
-    BAND_PX, BLOCKS, BallView, CELL_M, CELLS, JudgedBalls, PointConstants, SIDE_M, State,
-    TAN_HALF_VIEW, Terrain,
+    BLOCKS, CELL_M, CELLS, PointConstants, SIDE_M, State, TAN_HALF_VIEW, Terrain, ball_view,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3};
@@ -16,6 +15,8 @@ use std::sync::Arc;
 use terrafill_contract::{DeviceError, ids_of};
 use terrafill_gpu::{DirectPipeline, Gpu, RenderTargets};
 use terrafill_scene::ImageSize;
+use terrafill_shapes::grid::GridCamera;
+use terrafill_shapes::rays::{BAND_PX, Judged, distance_to_triangle};
 
 const SHADER: &str = "balls/scene.wgsl";
 /// The number of the terrain's first triangle: above all balls that are drawn.
@@ -58,7 +59,7 @@ impl BallScene {
         size: ImageSize,
     ) -> Result<Self, DeviceError> {
         let constants = SceneConstants {
-            view: PointConstants::new(&BallView::new()),
+            view: PointConstants::new(&ball_view()),
             radius_m: f32::of(RADIUS_M),
             radius_clip: f32::of(RADIUS_M / TAN_HALF_VIEW),
             ground: GROUND,
@@ -130,7 +131,7 @@ impl BallScene {
 /// Terrain and balls, for rays.
 pub(crate) struct SceneRays<'a> {
     terrain: &'a Terrain,
-    view: BallView,
+    view: GridCamera,
     size: [u32; 2],
     /// Lowest and highest height, metres.
     heights: [f64; 2],
@@ -140,7 +141,7 @@ pub(crate) struct SceneRays<'a> {
 
 impl<'a> SceneRays<'a> {
     pub(crate) fn new(terrain: &'a Terrain, balls: &[State], size: ImageSize) -> Self {
-        let view = BallView::new();
+        let view = ball_view();
         let size = [size.width, size.height];
         let disc = |ball: &State| {
             let place = DVec3::from_slice(&ball[0].map(f64::from)) + DVec3::Z * RADIUS_M;
@@ -182,7 +183,7 @@ impl<'a> SceneRays<'a> {
     }
 
     fn ground(&self, at_px: DVec2) -> Option<(u32, f64)> {
-        let ray = self.view.ray(at_px, self.size);
+        let ray = [self.view.eye, self.view.direction(at_px, self.size)];
         let [eye, along] = ray;
         // Where the ray is over the terrain, and between its lowest and highest height.
         let ends = [
@@ -202,21 +203,24 @@ impl<'a> SceneRays<'a> {
 
     /// Holds every so many pixels against rays. A pixel may show what a ray within 1/32 pixel of its middle meets, or a
     /// triangle that lies within as much and is no farther.
-    pub(crate) fn judge(&self, numbers: &[u32]) -> JudgedBalls {
+    pub(crate) fn judge(&self, numbers: &[u32]) -> Judged {
         let width = self.size[0] as usize;
         // Shares no factor with the width, so that no column is left out.
         let mut every = (numbers.len() / PIXELS).max(1);
         while common_divisor(every, width) > 1 {
             every += 1;
         }
-        let mut judged = JudgedBalls::default();
+        let mut judged = Judged::default();
         for (pixel, &shown) in numbers.iter().enumerate().step_by(every) {
             let middle = DVec2::new((pixel % width) as f64, (pixel / width) as f64) + 0.5;
-            let is_right = self.meet(middle).0 == shown || self.may_show(middle, shown);
-            judged.shown += usize::from((1..GROUND).contains(&shown));
-            judged.mismatched += usize::from(!is_right);
+            judged.add(shown, self.meet(middle).0, || self.may_show(middle, shown));
         }
         judged
+    }
+
+    /// Whether a picture shows any ball.
+    pub(crate) fn shows_balls(numbers: &[u32]) -> bool {
+        numbers.iter().any(|number| (1..GROUND).contains(number))
     }
 
     fn may_show(&self, middle: DVec2, shown: u32) -> bool {
@@ -246,7 +250,7 @@ impl<'a> SceneRays<'a> {
             .iter()
             .map(|(_, away)| *away)
             .fold(f64::INFINITY, f64::min);
-        nearest <= farthest && is_near_triangle(middle, corners.map(|(at, _)| at))
+        nearest <= farthest && distance_to_triangle(middle, corners.map(|(at, _)| at)) <= BAND_PX
     }
 
     /// Colours of numbers: balls, the sky, and ground as light from the upper left shows its slopes.
@@ -283,17 +287,4 @@ fn common_divisor(mut one: usize, mut other: usize) -> usize {
         (one, other) = (other, one % other);
     }
     one
-}
-
-/// Whether a triangle is within the band of a place of the picture.
-fn is_near_triangle(at: DVec2, corners: [DVec2; 3]) -> bool {
-    let edges = [0, 1, 2].map(|from| [corners[from], corners[(from + 1) % 3]]);
-    let sides = edges.map(|[from, to]| (to - from).perp_dot(at - from));
-    let is_inside = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
-    is_inside
-        || edges.iter().any(|[from, to]| {
-            let edge = *to - *from;
-            let share = ((at - *from).dot(edge) / edge.length_squared().max(1e-30)).clamp(0.0, 1.0);
-            at.distance(*from + share * edge) <= BAND_PX
-        })
 }

@@ -8,8 +8,10 @@
 use crate::arithmetic::Real as _;
 use crate::closed_form::GRAVITY;
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat4, DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
+use terrafill_shapes::grid::{GridCamera, NEAR_M};
+use terrafill_shapes::rays::{Judged, judge_points};
 
 /// Place and velocity of a ball, four numbers each as published. Over terrain the place's fourth is the steps taken. The
 /// velocity's fourth is the time of the first impact in steps, 0 before it.
@@ -112,8 +114,8 @@ impl Terrain {
         walk(ball, [0.0, within_s], first)
     }
 
-    /// The first triangle of cells as they are drawn, cut from the right sample to the one below, on a ray: its number
-    /// from 0, and how many times the direction long the ray is. `None` where it meets none.
+    /// The first triangle on a ray: its number from 0, and how many times the direction long the ray is. `None` where it
+    /// meets none. Cells are cut as they are drawn, from the right sample to the one below.
     ///
     /// - `ray`: an eye outside of the terrain, and a direction
     /// - `within`: between which lengths the ray is over the terrain
@@ -249,48 +251,16 @@ pub(crate) fn whole(place: f64) -> u32 {
     place as u32
 }
 
-/// From where the balls are seen: an eye, the axes of the screen, and the tangent of half the field of view.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BallView {
-    eye: DVec3,
-    right: DVec3,
-    up: DVec3,
-    forward: DVec3,
-}
-
 /// 60°, which hold the whole terrain.
 pub(crate) const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
-const NEAR_M: f64 = 1.0;
 
-impl BallView {
-    pub(crate) fn new() -> Self {
-        let eye = DVec3::new(120.0, -160.0, 152.0);
-        let forward = (DVec3::new(128.0, 96.0, 0.0) - eye).normalize();
-        let right = forward.cross(DVec3::Z).normalize();
-        Self {
-            eye,
-            right,
-            up: right.cross(forward),
-            forward,
-        }
-    }
-
-    /// Eye and direction of the ray through a place of a picture; the direction's part along the view's axis is 1.
-    pub(crate) fn ray(&self, at_px: DVec2, size: [u32; 2]) -> [DVec3; 2] {
-        let at = TAN_HALF_VIEW * (2.0 * at_px / DVec2::from(size.map(f64::from)) - 1.0);
-        [self.eye, self.forward + at.x * self.right - at.y * self.up]
-    }
-
-    /// Place on a picture, pixels, and distance along the view's axis.
-    pub(crate) fn project(&self, place: DVec3, size: [u32; 2]) -> (DVec2, f64) {
-        let from_eye = place - self.eye;
-        let away = from_eye.dot(self.forward);
-        let [width, height] = size.map(f64::from);
-        let across = from_eye.dot(self.right) / (away * TAN_HALF_VIEW);
-        let upwards = from_eye.dot(self.up) / (away * TAN_HALF_VIEW);
-        let at = DVec2::new(0.5 * width * (1.0 + across), 0.5 * height * (1.0 - upwards));
-        (at, away)
-    }
+/// From where the balls are seen.
+pub(crate) fn ball_view() -> GridCamera {
+    let (eye, target) = (
+        DVec3::new(120.0, -160.0, 152.0),
+        DVec3::new(128.0, 96.0, 0.0),
+    );
+    GridCamera::looking(eye, target, TAN_HALF_VIEW)
 }
 
 /// Twin of `PointConstants` in `balls/points.wgsl`.
@@ -300,82 +270,27 @@ pub(crate) struct PointConstants([[f32; 4]; 4]);
 
 impl PointConstants {
     /// Reversed depth with the far plane at infinity.
-    pub(crate) fn new(view: &BallView) -> Self {
-        let axes = [view.right, view.up, -view.forward];
-        let rows = axes.map(|axis| axis.extend(-axis.dot(view.eye)));
-        let view_from_place = DMat4::from_cols(rows[0], rows[1], rows[2], DVec4::W).transpose();
-        let scale = TAN_HALF_VIEW.recip();
-        let clip_from_view = DMat4::from_cols(
-            DVec4::X * scale,
-            DVec4::Y * scale,
-            DVec4::NEG_W,
-            DVec4::Z * NEAR_M,
-        );
-        let clip = clip_from_view * view_from_place;
+    pub(crate) fn new(view: &GridCamera) -> Self {
+        let clip = view.clip_from_world();
         let columns = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
         Self(columns.map(|column| column.as_vec4().to_array()))
     }
 }
 
-/// What a picture of balls shows that it should not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct JudgedBalls {
-    pub(crate) mismatched: usize,
-    /// Pixels that show a ball.
-    pub(crate) shown: usize,
-}
-
-/// Half a step of the coarsest grid that points may be snapped to, pixels.
-pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
-/// Depths closer than this share are equal to `f32`.
-const EQUAL_DEPTH: f64 = 1e-6;
-
 /// Holds a picture of numbers against the balls' places: a ball covers the pixel that it lies in, the nearest one
 /// before others.
-pub(crate) fn judge(
-    view: &BallView,
-    size: [u32; 2],
-    balls: &[State],
-    numbers: &[u32],
-) -> JudgedBalls {
-    let width = size[0] as usize;
+pub(crate) fn judge(view: &GridCamera, size: [u32; 2], balls: &[State], numbers: &[u32]) -> Judged {
     let project = |ball: &State| {
-        let [x, y, z, _] = ball[0].map(f64::from);
-        view.project(DVec3::new(x, y, z), size)
-    };
-    // Nearest ball that is in each pixel whatever the rounding.
-    let mut sure = vec![f64::INFINITY; numbers.len()];
-    for ball in balls {
-        let (at, away) = project(ball);
-        let inside = at - at.floor();
-        let is_sure = inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
-        let end = DVec2::from(size.map(f64::from));
-        if !is_sure || at.min_element() < 0.0 || at.cmpge(end).any() || away < NEAR_M {
-            continue;
+        let (at, away) = view.project(DVec3::from_slice(&ball[0].map(f64::from)), size);
+        // What is nearer than the near plane is in no pixel.
+        if away < NEAR_M {
+            (DVec2::NAN, away)
+        } else {
+            (at, away)
         }
-        let pixel = whole(at.y) as usize * width + whole(at.x) as usize;
-        sure[pixel] = sure[pixel].min(away);
-    }
-    let mut judged = JudgedBalls::default();
-    for (pixel, &number) in numbers.iter().enumerate() {
-        let is_right = match number
-            .checked_sub(1)
-            .and_then(|ball| balls.get(ball as usize))
-        {
-            None => number == 0 && sure[pixel].is_infinite(),
-            Some(ball) => {
-                let (at, away) = project(ball);
-                let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
-                let inside = at - corner;
-                let is_here =
-                    inside.min_element() >= -BAND_PX && inside.max_element() <= 1.0 + BAND_PX;
-                is_here && away <= sure[pixel] * (1.0 + EQUAL_DEPTH)
-            }
-        };
-        judged.shown += usize::from(number > 0);
-        judged.mismatched += usize::from(!is_right);
-    }
-    judged
+    };
+    let places: Vec<(DVec2, f64)> = balls.iter().map(project).collect();
+    judge_points(numbers, size, &places)
 }
 
 #[cfg(test)]
@@ -425,7 +340,7 @@ mod tests {
 
     #[test]
     fn every_ball_is_on_screen() {
-        let view = BallView::new();
+        let view = ball_view();
         for ball in Terrain::new().balls(1_000) {
             let [x, y, z, _] = ball[0].map(f64::from);
             let (at, away) = view.project(DVec3::new(x, y, z), [256; 2]);
@@ -438,7 +353,7 @@ mod tests {
 
     #[test]
     fn an_empty_picture_and_one_of_other_balls_are_wrong() {
-        let view = BallView::new();
+        let view = ball_view();
         let balls = Terrain::flat().balls(100);
         let nothing = vec![0; 256 * 256];
         assert!(judge(&view, [256; 2], &balls, &nothing).mismatched > 50);
