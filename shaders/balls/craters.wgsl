@@ -1,29 +1,7 @@
 // Study `balls`: four vertices stand around the crater of a ball that has met the ground for the first time in a step,
 // an instance a layer and ball. One fragment writes how deep the crater is at a sample, which blending takes off the
 // layer's height.
-struct BallConstants {
-    step_s: f32,
-    gravity: f32,
-    stiffness: f32,
-    count: u32,
-    // Cells along a side of a block, and a side of a cell in metres: powers of two.
-    cells: u32,
-    cell_m: f32,
-    // Blocks along a side of the ground.
-    blocks: u32,
-    law: u32,
-    restitution: f32,
-    // Radius of a crater over the speed of the ball that strikes, and its depth over its radius.
-    crater_s: f32,
-    crater_depth: f32,
-};
-
-struct Ball {
-    // Metres from the ground's corner, upwards in z; behind them the steps taken.
-    place: vec4<f32>,
-    // Metres a second; behind them the first impact's time in steps, 0 before it.
-    velocity: vec4<f32>,
-};
+#import shared/balls.wgsl
 
 @group(0) @binding(0) var<uniform> constants: BallConstants;
 @group(0) @binding(1) var<storage, read> before: array<Ball>;

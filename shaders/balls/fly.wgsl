@@ -1,29 +1,7 @@
 // Study `balls`: one invocation takes a ball a step of free flight further and reflects it about the normal of the
 // ground that it meets. Blocks of the ground lie in the layers of one array texture, and a ball's place chooses its
 // layer. Workgroups of 64, the least width that fills every GPU's subgroups.
-struct BallConstants {
-    step_s: f32,
-    gravity: f32,
-    // Of springs, which this ground has none of.
-    stiffness: f32,
-    count: u32,
-    // Cells along a side of a block, and a side of a cell in metres: powers of two.
-    cells: u32,
-    cell_m: f32,
-    // Blocks along a side of the ground.
-    blocks: u32,
-    // A number of `Law`.
-    law: u32,
-    // Share of the speed along the normal that a reflection leaves.
-    restitution: f32,
-};
-
-struct Ball {
-    // Metres from the ground's corner, upwards in z; behind them the steps taken.
-    place: vec4<f32>,
-    // Metres a second; behind them the first impact's time in steps, 0 before it.
-    velocity: vec4<f32>,
-};
+#import shared/balls.wgsl
 
 const PUBLISHED: u32 = 0u;
 const EVENT: u32 = 2u;

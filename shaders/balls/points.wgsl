@@ -1,16 +1,13 @@
 // Study `balls`: one vertex invocation places a ball, wherever its step left it, as a point. Fragments write its
 // number, from 1.
+#import shared/balls.wgsl
+
 struct PointConstants {
     // Columns of the matrix from metres to clip space.
     x: vec4<f32>,
     y: vec4<f32>,
     z: vec4<f32>,
     origin: vec4<f32>,
-};
-
-struct Ball {
-    place: vec4<f32>,
-    velocity: vec4<f32>,
 };
 
 @group(0) @binding(0) var<uniform> constants: PointConstants;

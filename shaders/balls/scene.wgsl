@@ -1,6 +1,8 @@
 // Study `balls`: terrain and the balls on it in one picture. One vertex invocation places one of six vertices of a cell of
 // the terrain, from the layer of its block, or one of six of a disc that stands for a ball. Fragments write a number: of a
 // ball from 1, of a triangle of the terrain from GROUND.
+#import shared/balls.wgsl
+
 struct SceneConstants {
     // Columns of the matrix from metres to clip space.
     x: vec4<f32>,
@@ -16,11 +18,6 @@ struct SceneConstants {
     cells: u32,
     across: u32,
     cell_m: f32,
-};
-
-struct Ball {
-    place: vec4<f32>,
-    velocity: vec4<f32>,
 };
 
 @group(0) @binding(0) var<uniform> constants: SceneConstants;

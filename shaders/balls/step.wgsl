@@ -1,18 +1,6 @@
 // Study `balls`: one invocation takes a ball a step of symplectic Euler further, above ground at height 0
 // that a spring pushes balls out of. Workgroups of 64, the least width that fills every GPU's subgroups.
-struct BallConstants {
-    step_s: f32,
-    gravity: f32,
-    // k/m, 1/s².
-    stiffness: f32,
-    count: u32,
-};
-
-struct Ball {
-    // Metres, upwards in z.
-    place: vec4<f32>,
-    velocity: vec4<f32>,
-};
+#import shared/balls.wgsl
 
 @group(0) @binding(0) var<uniform> constants: BallConstants;
 @group(0) @binding(1) var<storage, read> before: array<Ball>;

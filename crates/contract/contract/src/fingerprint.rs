@@ -18,6 +18,12 @@ pub fn mask_hash(frame: &Frame) -> String {
     fingerprint(&frame.ids, |id| id.min(1))
 }
 
+/// Hash of numbers as they are, as sixteen hexadecimal digits.
+#[must_use]
+pub fn numbers_hash(numbers: &[u32]) -> String {
+    fingerprint(numbers, |number| number)
+}
+
 /// Of the four bytes of each id, the lowest first.
 fn fingerprint(ids: &[u32], seen_as: impl Fn(u32) -> u32) -> String {
     const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;

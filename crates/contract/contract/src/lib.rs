@@ -37,7 +37,7 @@ pub use backend::{FillBackend, Uploaded};
 pub use clock::CpuStopwatch;
 pub use devices::{DeviceLoss, DeviceOptions, Devices};
 pub use error::DeviceError;
-pub use fingerprint::{ids_hash, mask_hash};
+pub use fingerprint::{ids_hash, mask_hash, numbers_hash};
 pub use frame::{Counters, Frame, FrameTimes, GeometryBytes, MemoryUse};
 pub use identity::ViewId;
 pub use input::{FillInput, PreparedScene};

@@ -11,6 +11,7 @@ use crate::rays::{
     BAND_PX, EQUAL_DEPTH, Judged, around, centres, distance_to_triangle, judge_points,
 };
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 /// A side of a tile of the picture, whose triangles are listed.
 const TILE_PX: u32 = 8;
@@ -102,8 +103,9 @@ impl<'a> MeshRays<'a> {
 
     /// Numbers at the middles of all pixels, 0 for none.
     pub fn picture(&self) -> Vec<u32> {
-        let at = |at| self.meet(at).map_or(0, |hit| hit.number);
-        centres(self.size).map(at).collect()
+        let places: Vec<DVec2> = centres(self.size).collect();
+        let number = |at: &DVec2| self.meet(*at).map_or(0, |hit| hit.number);
+        places.par_iter().map(number).collect()
     }
 
     /// Holds a picture of triangles' numbers against the rays.

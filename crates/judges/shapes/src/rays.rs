@@ -8,6 +8,7 @@
 
 use crate::grid::{Grid, GridCamera};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use terrafill_scene::ImageSize;
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
@@ -98,10 +99,9 @@ impl<'a> Rays<'a> {
 
     /// Numbers of triangles at the centres of every so many pixels, 0 for none, each behind its pixel's number.
     pub fn picture(&self, every: usize) -> Vec<(usize, u32)> {
-        let centres = self.centres().enumerate().step_by(every);
-        centres
-            .map(|(pixel, at)| (pixel, self.meet(at).map_or(0, |hit| hit.number)))
-            .collect()
+        let count = self.size[0] as usize * self.size[1] as usize;
+        let pixels = (0..count).into_par_iter().step_by(every);
+        pixels.map(|pixel| (pixel, self.number(pixel))).collect()
     }
 
     /// Number that the ray of a pixel's middle meets, 0 for the sky.

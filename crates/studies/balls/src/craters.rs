@@ -24,12 +24,12 @@ use crate::walk::{flight_steps, most};
 use glam::{DVec2, DVec3};
 use on_wgpu::{Cratering, Snapshot};
 use std::collections::BTreeMap;
-use terrafill_contract::{CpuStopwatch, DeviceError};
+use terrafill_contract::{CpuStopwatch, DeviceError, numbers_hash};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Session, file_stem, judged, planned_case, verified,
-    write_rgb,
+    CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, file_stem, judged, planned_case,
+    verified, write_rgb,
 };
 
 /// What a height may differ by after a step, metres. Place and speed of an impact err by rounding, some 1e-5, and slopes of a
@@ -244,12 +244,12 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         warm_up: Some(0),
         work: Craters { cases, size },
         open: |group, context| {
-            Ok(Box::new(CraterSession {
+            Ok(Box::new(JudgedOnce(CraterSession {
                 group,
                 context,
                 terrain: Terrain::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -287,15 +287,42 @@ fn constants(balls: u32) -> BallConstants {
     constants_over_terrain(balls, Law::Event)
 }
 
-impl Session for CraterSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for CraterSession<'_> {
+    /// Balls and ground at the end.
+    type Shown = Snapshot;
+
+    fn show(&mut self, case: usize) -> Result<(String, Snapshot), Failure> {
+        let (way, count) = self.group.work.cases[case];
+        let first = self.terrain.balls(count);
+        let devices = self.context.devices;
+        let mut cratering = Cratering::new(devices, way, &constants(count), &first, &self.terrain)?;
+        for _ in 0..flight_steps(first.len()) {
+            cratering.step()?;
+        }
+        let last = cratering.read()?;
+        self.opened.insert(case, cratering);
+        let heights = last.ground.blocks.concat();
+        let [balls, heights] = [
+            bytemuck::cast_slice(&last.balls),
+            bytemuck::cast_slice(&heights),
+        ]
+        .map(numbers_hash);
+        Ok((format!("{balls}-{heights}"), last))
+    }
+
+    /// Takes the steps once more, each beside `f64`.
+    fn judge(&mut self, case: usize, shown: Snapshot) -> Result<Verdict, Failure> {
         let Craters { ref cases, size } = self.group.work;
         let (way, count) = cases[case];
         let digs = way != CraterWay::Nothing;
         let first = self.terrain.balls(count);
-        let devices = self.context.devices;
-        let mut cratering = Cratering::new(devices, way, &constants(count), &first, &self.terrain)?;
-        let (strikes, last) = strike(&mut cratering, &first, &self.terrain, digs)?;
+        let cratering = verified(&mut self.opened, case)?;
+        cratering.begin(&first, &self.terrain)?;
+        let (strikes, last) = strike(cratering, &first, &self.terrain, digs)?;
+        if last != shown {
+            let reason = "balls or ground end otherwise when the same steps are taken once more";
+            return Ok(judged(reason.to_owned(), Vec::new(), Vec::new()));
+        }
         let numbers = cratering.picture(size)?;
         let rays = SceneRays::new(&last.ground, &last.balls, size);
         let shown = rays.judge(&numbers);
@@ -328,7 +355,6 @@ impl Session for CraterSession<'_> {
             [size.width, size.height],
             &pixels,
         )?;
-        self.opened.insert(case, cratering);
         Ok(judged(reason, figures, vec![("picture", path)]))
     }
 

@@ -13,12 +13,13 @@ use crate::terrain::{State, Terrain, ball_view, judge};
 use crate::walk::{FLIGHT_STEPS_PER_SECOND, Walk, flight_steps, walk};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use terrafill_contract::{CpuStopwatch, DeviceError, ids_of};
+use terrafill_contract::{CpuStopwatch, DeviceError, ids_of, numbers_hash};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_shapes::rays::Judged;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Request, Session, judged, planned_case, verified,
+    CaseGroup, Context, Failure, Figures, JudgedOnce, Request, Shows, judged, planned_case,
+    verified,
 };
 
 /// Balls that are drawn one by one at most: the published figure ends at 5,000.
@@ -138,14 +139,14 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         warm_up: None,
         work: DrawnBalls { cases, size },
         open: |group, context| {
-            Ok(Box::new(DrawnSession {
+            Ok(Box::new(JudgedOnce(DrawnSession {
                 group,
                 context,
                 terrain: Terrain::new(),
                 walked: BTreeMap::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -174,16 +175,24 @@ struct BallOutcome {
     walk: Walk,
     /// Balls that ended elsewhere than when they were followed.
     strayed: usize,
+    /// Bytes that were uploaded while stepping and drawing, and that had to be: the CPU writes what it steps itself.
     uploaded: u64,
-    /// Bytes that may be: the CPU writes what it steps itself.
-    allowed: u64,
+    expected: u64,
     judged: Judged,
     differing: usize,
     draws: usize,
 }
 
+/// What a case left behind.
+struct ShownBalls {
+    last: Vec<State>,
+    /// Numbers of the picture's pixels; none where nothing is drawn.
+    numbers: Vec<u32>,
+    uploaded: u64,
+}
+
 impl DrawnSession<'_> {
-    fn run(&mut self, case: usize) -> Result<BallOutcome, DeviceError> {
+    fn judged(&mut self, case: usize, shown: &ShownBalls) -> Result<BallOutcome, DeviceError> {
         let DrawnBalls { ref cases, size } = self.group.work;
         let of_case = cases[case];
         let DrawnCase {
@@ -193,52 +202,33 @@ impl DrawnSession<'_> {
             balls: count,
         } = of_case;
         let balls = self.terrain.balls(count);
-        let devices = self.context.devices;
-        let mut steps = way.open(devices, &of_case.constants(), &balls, Some(&self.terrain))?;
-        let mut points = steps.points(size)?;
-        let (walk, last, strayed, mut uploaded) =
-            if let Some((walk, there)) = self.walked.get(&(way, law, count)) {
-                // Followed before: the same steps, in frames of a few.
-                let uploaded = take(steps.as_mut(), flight_steps(balls.len()))?;
-                let last = steps.read()?;
-                let mut strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
-                strayed += last.len().abs_diff(there.len());
-                (*walk, last, strayed, uploaded)
-            } else {
-                let walk = walk(steps.as_mut(), &flight_over(&self.terrain, law), &balls)?;
-                let last = steps.read()?;
-                self.walked.insert((way, law, count), (walk, last.clone()));
-                (walk, last, 0, walk.uploaded)
-            };
-        let ranges = drawn.ranges(count);
+        let key = (way, law, count);
+        if !self.walked.contains_key(&key) {
+            let devices = self.context.devices;
+            let mut steps = way.open(devices, &of_case.constants(), &balls, Some(&self.terrain))?;
+            let walk = walk(steps.as_mut(), &flight_over(&self.terrain, law), &balls)?;
+            self.walked.insert(key, (walk, steps.read()?));
+        }
+        let (walk, there) = &self.walked[&key];
+        let last = &shown.last;
+        let strayed = last.iter().zip(there).filter(|(a, b)| a != b).count();
+        let submissions = flight_steps(balls.len()).div_ceil(TIMED);
         let mut found = BallOutcome {
-            walk,
-            strayed,
-            draws: ranges.len(),
+            walk: *walk,
+            strayed: strayed + last.len().abs_diff(there.len()),
+            uploaded: shown.uploaded,
+            expected: way.uploads(count, submissions),
+            draws: drawn.ranges(count).len(),
             ..BallOutcome::default()
         };
-        if !ranges.is_empty() {
-            let before = steps.uploaded();
-            points.draw(steps.current(), &ranges)?;
-            uploaded += steps.uploaded() - before;
-            let numbers = ids_of(&points.read()?);
+        if found.draws > 0 {
             let ImageSize { width, height } = size;
-            found.judged = judge(&ball_view(), [width, height], &last, &numbers);
+            found.judged = judge(&ball_view(), [width, height], last, &shown.numbers);
             let first = self.first.entry((way, count));
-            let first = first.or_insert_with(|| numbers.clone());
-            found.differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
+            let first = first.or_insert_with(|| shown.numbers.clone());
+            let pixels = shown.numbers.iter().zip(&*first);
+            found.differing = pixels.filter(|(a, b)| a != b).count();
         }
-        found.uploaded = uploaded;
-        found.allowed = match way {
-            Stepping::Cpu => u64::MAX,
-            _ => 0,
-        };
-        let opened = Opened {
-            steps,
-            points,
-            ranges,
-        };
-        self.opened.insert(case, opened);
         Ok(found)
     }
 }
@@ -249,7 +239,7 @@ impl BallOutcome {
             walk,
             strayed,
             uploaded,
-            allowed,
+            expected,
             judged,
             differing,
             ..
@@ -259,8 +249,10 @@ impl BallOutcome {
             reason
         } else if *strayed > 0 {
             format!("{strayed} balls end elsewhere when steps are taken in frames of {TIMED}")
-        } else if uploaded > allowed {
-            format!("{uploaded} bytes were uploaded while stepping and drawing")
+        } else if uploaded != expected {
+            format!(
+                "{uploaded} bytes were uploaded while stepping and drawing, expected {expected}"
+            )
         } else if judged.mismatched > 0 {
             format!(
                 "{} pixels show what the reference does not allow",
@@ -276,9 +268,46 @@ impl BallOutcome {
     }
 }
 
-impl Session for DrawnSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let found = self.run(case)?;
+impl Shows for DrawnSession<'_> {
+    type Shown = ShownBalls;
+
+    fn show(&mut self, case: usize) -> Result<(String, ShownBalls), Failure> {
+        let DrawnBalls { ref cases, size } = self.group.work;
+        let case_of = cases[case];
+        let balls = self.terrain.balls(case_of.balls);
+        let (devices, constants) = (self.context.devices, case_of.constants());
+        let mut steps = case_of
+            .way
+            .open(devices, &constants, &balls, Some(&self.terrain))?;
+        let mut points = steps.points(size)?;
+        let mut uploaded = take(steps.as_mut(), flight_steps(balls.len()))?;
+        let last = steps.read()?;
+        let ranges = case_of.drawn.ranges(case_of.balls);
+        let mut numbers = Vec::new();
+        if !ranges.is_empty() {
+            let before = steps.uploaded();
+            points.draw(steps.current(), &ranges)?;
+            uploaded += steps.uploaded() - before;
+            numbers = ids_of(&points.read()?);
+        }
+        let opened = Opened {
+            steps,
+            points,
+            ranges,
+        };
+        self.opened.insert(case, opened);
+        let balls = numbers_hash(bytemuck::cast_slice(&last));
+        let hash = format!("{balls}-{}", numbers_hash(&numbers));
+        let shown = ShownBalls {
+            last,
+            numbers,
+            uploaded,
+        };
+        Ok((hash, shown))
+    }
+
+    fn judge(&mut self, case: usize, shown: ShownBalls) -> Result<Verdict, Failure> {
+        let found = self.judged(case, &shown)?;
         let reason = found.reason();
         let mut figures = vec![
             ("ball_terrain_step_m", found.walk.step_m),

@@ -13,6 +13,8 @@ const BLOWN_ENERGY: f64 = 10.0;
 pub(crate) const MOSTLY: f64 = 0.5;
 /// Steps of a contact's `ω·dt` up to which every integrator but the explicit one keeps its balls.
 const STEADY: f64 = 0.5;
+/// Steps of a timed sample at most: they take some milliseconds, a thousand times what a clock resolves.
+const TIMED_STEPS: u32 = 1 << 20;
 /// Height of the ground above the ellipsoid where heights are above the ellipsoid, metres.
 pub(crate) const GROUND_M: f64 = 1_000.0;
 
@@ -98,6 +100,15 @@ impl Drop {
             blown_share: f64::from(blown) / f64::from(self.balls),
             energy_change: mean(energy_changes),
             deepest_m,
+        }
+    }
+
+    /// The same with as many balls as take [`TIMED_STEPS`] together: of more, each second of a ball takes as long.
+    pub(crate) fn timed(&self) -> Self {
+        let steps = self.seconds * self.steps_per_second;
+        Self {
+            balls: self.balls.min((TIMED_STEPS / steps).max(1)),
+            ..*self
         }
     }
 
@@ -302,6 +313,20 @@ mod tests {
         }
         // Negative control: without compensation it is not.
         assert!(rms(drop(Arithmetic::F32), 7_680) > 1e-4);
+    }
+
+    #[test]
+    fn what_is_timed_has_enough_steps_and_balls_of_all_heights() {
+        let drop = |steps_per_second| Drop {
+            steps_per_second,
+            ..of(Integrator::Rk4, Some(1e3), Arithmetic::F32)
+        };
+        let balls = [30, 7_680, 30_720].map(|steps| drop(steps).timed().balls);
+        assert_eq!(balls, [64, 27, 6]);
+        let mean = |drop: Drop| drop.heights_m().sum::<f64>() / f64::from(drop.balls);
+        assert!((mean(drop(30_720).timed()) - mean(drop(30_720))).abs() < 1e-9);
+        // Negative control: a ball alone takes more steps than that.
+        assert_eq!(drop(u32::MAX / 5).timed().balls, 1);
     }
 
     #[test]

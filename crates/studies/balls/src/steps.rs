@@ -44,3 +44,28 @@ pub(crate) trait Steps {
     /// What draws the balls.
     fn points(&self, size: ImageSize) -> Result<Box<dyn DrawsBalls>, DeviceError>;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+    use terrafill_shaders::struct_layout;
+
+    #[test]
+    fn constants_and_balls_lie_as_shaders_read_them() {
+        for path in ["balls/fly.wgsl", "balls/craters.wgsl", "balls/step.wgsl"] {
+            let layout = struct_layout(path, "BallConstants").expect("a struct");
+            let offset = |name: &str| layout.offset(name).expect(name);
+            assert_eq!(offset("blocks"), offset_of!(BallConstants, blocks));
+            let depth = offset_of!(BallConstants, crater_depth);
+            assert_eq!(offset("crater_depth"), depth);
+            // Negative control: its neighbour.
+            assert_ne!(offset("crater_s"), depth);
+            // What is uniform ends on a multiple of 16 bytes.
+            let stride = (layout.stride as usize).next_multiple_of(16);
+            assert_eq!(stride, size_of::<BallConstants>());
+            let ball = struct_layout(path, "Ball").expect("a struct");
+            assert_eq!(ball.stride as usize, size_of::<State>());
+        }
+    }
+}

@@ -164,7 +164,7 @@ impl Session for BallsSession<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let drop = &self.0[case];
+        let drop = self.0[case].timed();
         let watch = CpuStopwatch::start();
         std::hint::black_box(drop.work());
         let ball_seconds = f64::from(drop.balls) * f64::from(drop.seconds);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What opened ways do, on whichever interface: they draw, count and take time.
 
-use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
+use terrafill_contract::{CpuStopwatch, DeviceError, Picture, numbers_hash};
 use terrafill_shapes::rays::Judged;
 use terrafill_study::Figures;
 use terrafill_vulkan::PassStatistics;
@@ -66,6 +66,12 @@ impl From<Option<PassStatistics>> for Counted {
             primitives: Some(of.clipper_invocations),
         })
     }
+}
+
+/// Hash of a picture's numbers and of what was counted and is judged with them.
+pub(crate) fn shown_hash(numbers: &[u32], counted: &Counted) -> String {
+    let primitives = counted.primitives.map(|count| format!("-{count}"));
+    numbers_hash(numbers) + &primitives.unwrap_or_default()
 }
 
 /// What a judged picture says in the study's words.

@@ -228,16 +228,11 @@ terrafill_results::metrics! {
         "Texels looked up, before and after a block was written anew, that are not those by \
          arithmetic of integers.",
     );
-    CACHE_ASKED = Metric::quantity("cache_asked", "Texels that were looked up for that.");
     CACHE_BINDS = Metric::counter(
         "cache_binds",
         "Bind groups set in a frame, a draw after each.",
     );
     CACHE_BYTES = Metric::bytes("cache_bytes", "Bytes of all texels.");
-    CACHE_UPDATE_BYTES = Metric::bytes(
-        "cache_update_bytes",
-        "Bytes that the CPU sends for a block that is written anew.",
-    );
     CACHE_UPDATE_CPU_US = Metric::less(
         "cache_update_cpu_us",
         "µs",
@@ -326,11 +321,6 @@ terrafill_results::metrics! {
         "variance_dark_share",
         "",
         "Share of the pixels of a lit plane with less than 0.99 of the light.",
-    );
-    VARIANCE_BLACK_SHARE = Metric::error(
-        "variance_black_share",
-        "",
-        "Share of the pixels of a lit plane with less than 0.01 of the light.",
     );
     VARIANCE_OUTSIDE_SHARE = Metric::error(
         "variance_outside_share",

@@ -2,7 +2,7 @@
 //! The cases: grids by way and size, and amplification by cells a point, strips and source.
 
 use crate::chapter::CHAPTER;
-use crate::draws::{Draws, differing};
+use crate::draws::{Counted, Draws, differing, shown_hash};
 use crate::images::{of_numbers, size_of, size_px, write};
 use crate::metrics::{self, API, DECLARED, EXPERIMENT, METRICS, SOURCE, STRIP, WAY};
 use crate::on_vulkan::OnVulkan;
@@ -12,6 +12,7 @@ use crate::way::{
     emitted_by_point,
 };
 use crate::{STUDY, cache, culling, layered, lights, meshes};
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::{ConditionKey, Verdict};
@@ -19,7 +20,7 @@ use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::{Grid, GridCamera};
 use terrafill_shapes::rays::{Judged, Rays};
 use terrafill_study::{
-    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Planned, Request, Shows, Study,
     StudyError, planned_case, verified,
 };
 
@@ -209,15 +210,14 @@ fn grids(
             is_for_gpus: false,
         },
         open: |group, context| {
-            let grid = Grid::new(group.work.cells);
-            Ok(Box::new(GridSession {
-                truth: rays(&grid, group.work.size).picture(1),
+            Ok(Box::new(JudgedOnce(GridSession {
                 group,
                 context,
-                grid,
+                grid: Grid::new(group.work.cells),
+                truth: OnceCell::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -266,17 +266,18 @@ struct GridSession<'a> {
     context: Context<'a>,
     grid: Grid,
     /// Of each pixel, its triangle's number by a ray.
-    truth: Vec<(usize, u32)>,
+    truth: OnceCell<Vec<(usize, u32)>>,
     /// Of the first way on each interface, by whether it draws points.
     first: BTreeMap<(Interface, bool), Vec<u32>>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn Draws>>,
 }
 
-impl Session for GridSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for GridSession<'_> {
+    type Shown = (Vec<u32>, Counted);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
         let Grids {
-            experiment,
             size,
             ref ways,
             is_for_gpus,
@@ -293,10 +294,23 @@ impl Session for GridSession<'_> {
         let mut opened = open(self.context.devices, interface, way, &self.grid, size)?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
-        let judged = judge(way, &rays(&self.grid, size), &numbers, &self.truth);
+        self.opened.insert(case, opened);
+        Ok((shown_hash(&numbers, &counted), (numbers, counted)))
+    }
+
+    fn judge(&mut self, case: usize, (numbers, counted): Self::Shown) -> Result<Verdict, Failure> {
+        let Grids {
+            experiment,
+            size,
+            ref ways,
+            ..
+        } = self.group.work;
+        let (interface, way) = ways[case];
+        let rays = rays(&self.grid, size);
+        let truth = self.truth.get_or_init(|| rays.picture(1));
+        let judged = judge(way, &rays, &numbers, truth);
         let first = self.first.entry((interface, way.draws_points()));
         let differing = differing(&numbers, first.or_insert_with(|| numbers.clone()));
-        self.opened.insert(case, opened);
         // Kept are those of the one size whose cells can be seen, and what is wrong.
         let is_shown = experiment == "grid" && self.grid.cells == PICTURED_CELLS;
         let notes = if is_shown || judged.mismatched > 0 {

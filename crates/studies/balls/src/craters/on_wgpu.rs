@@ -26,6 +26,7 @@ terrafill_results::named! {
 }
 
 /// Balls and ground at a time.
+#[derive(PartialEq)]
 pub(crate) struct Snapshot {
     pub(super) balls: Vec<State>,
     pub(super) ground: Terrain,
@@ -47,7 +48,8 @@ pub(crate) struct Cratering {
     way: CraterWay,
     constants: BallConstants,
     layers: Vec<wgpu::TextureView>,
-    pipeline: wgpu::RenderPipeline,
+    /// Of craters that are drawn.
+    pipeline: Option<wgpu::RenderPipeline>,
     /// By the state before a step.
     bound: [wgpu::BindGroup; 2],
     /// As the CPU has them, which writes layers anew.
@@ -66,8 +68,7 @@ impl Cratering {
     ) -> Result<Self, DeviceError> {
         let mut balls = OnWgpu::new(devices, constants, first, Some(terrain))?;
         let gpu = &balls.gpu;
-        let needed = wgpu::Features::FLOAT32_BLENDABLE;
-        gpu.require(needed, "blending of 32-bit floats")?;
+        let is_drawn = way == CraterWay::Drawn;
         let heights = balls.heights.take();
         let heights = heights.ok_or_else(|| gpu.lacks("terrain under balls"))?;
         let layer = |base_array_layer: u32| {
@@ -93,7 +94,7 @@ impl Cratering {
             way,
             constants: *constants,
             layers: (0..LAYERS).map(layer).collect(),
-            pipeline: pipeline(gpu, &layout)?,
+            pipeline: is_drawn.then(|| pipeline(gpu, &layout)).transpose()?,
             bound,
             known: Snapshot::new(first, terrain),
             written_bytes: 0,
@@ -127,6 +128,8 @@ impl Cratering {
     }
 
     fn step_and_draw(&mut self) -> Result<(), DeviceError> {
+        let pipeline = self.pipeline.as_ref();
+        let pipeline = pipeline.ok_or(DeviceError::Missing("what draws craters"))?;
         let before = self.balls.current;
         let count = self.constants.count;
         let gpu = std::sync::Arc::clone(&self.balls.gpu);
@@ -139,7 +142,7 @@ impl Cratering {
                 color_attachments: &[Some(target)],
                 ..Default::default()
             });
-            pass.set_pipeline(&self.pipeline);
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &self.bound[before], &[]);
             pass.draw(0..4, number * count..(number + 1) * count);
         }
@@ -196,6 +199,8 @@ fn pipeline(
     gpu: &terrafill_gpu::Gpu,
     layout: &wgpu::BindGroupLayout,
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let needed = wgpu::Features::FLOAT32_BLENDABLE;
+    gpu.require(needed, "blending of 32-bit floats")?;
     let module = gpu.shader(SHADER)?;
     let layout = gpu.pipeline_layout(SHADER, &[Some(layout)]);
     let less = wgpu::BlendComponent {

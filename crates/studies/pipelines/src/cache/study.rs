@@ -130,9 +130,7 @@ impl Trial for CacheCase {
         };
         let figures = vec![
             ("cache_differing", wrong as f64),
-            ("cache_asked", f64::from(asked)),
             ("cache_bytes", f64::from(blocks.count()) * block_bytes),
-            ("cache_update_bytes", block_bytes),
         ];
         let verdict = judged(reason, figures, Vec::new());
         Ok((Opened { cache, version: 1 }, verdict))

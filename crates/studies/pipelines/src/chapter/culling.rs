@@ -19,9 +19,9 @@ pub(super) const SECTION: Section<'static> = Section {
            64 × 64 in a quick run; how many tiles there were is not stated. Level 1: the CPU keeps the tiles whose box \
            of least and greatest height meets the view. Level 2: patches of 8 × 8 cells of these tiles are tested. A \
            patch is needed where one of its cells is not wholly outside of one plane of the view, cell by cell in \
-           double precision. The published test labels a point of each patch, projected, \"against a range\"; neither \
-           the range nor which point is stated: here it is the first corner, |x/w| and |y/w| up to the range that \
-           follows the test's name, w above 0. A frame that lost a patch is wrong: its time says what the test costs, \
+           double precision. The published test labels a point of each patch, projected, \"against a range\". Neither \
+           the range nor which point is stated. Here it is the first corner; w is above 0, and |x/w| and |y/w| are up \
+           to the range that follows the test's name. A frame that lost a patch is wrong: its time says what the test costs, \
            and no recommendation names it. Pictures show the views, and in red what a test of points takes out of \
            them. Times are by the clock of height grids.",
     cases: Select::With(EXPERIMENT, "culling"),

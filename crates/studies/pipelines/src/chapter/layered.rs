@@ -37,7 +37,7 @@ pub(super) const JUDGED: Section<'static> = Section {
     title: "Variance and hard shadows on devices",
     text: "A level plane is seen from straight above, and looked up in the depth maps of distant lights: 25 depths a light \
            as published, their moments summed in the shader, or one texel. Terraces of 8 × 8 pixels that nothing shadows \
-           show what the published formula makes of a lit plane; rough ground shows the noise of its variance; a disc \
+           show what the published formula makes of a lit plane. Rough ground shows the noise of its variance. A disc \
            above the plane, under four lights, has edges at all angles. Each pixel is held against the same formula in \
            f64 on the maps that the device drew, whose rounding is bounded; the maps against rays along the lights. As \
            published, lights multiply, so that a shadow of one dims what the others give, and rounding makes a lit plane \

@@ -8,17 +8,20 @@ use super::on_vulkan::{OnVulkan, VulkanGround};
 use super::on_wgpu::{OnWgpu, WgpuGround};
 use super::way::{CullStage, CullWay, FLIGHT_S, Test, VIEWS, ViewKind, flight};
 use crate::STUDY;
+use crate::draws::shown_hash;
 use crate::images::{of_numbers, size_px, write};
 use crate::metrics::{self, API, EXPERIMENT, PLACE, TEST, VIEW};
 use crate::way::Interface;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use terrafill_contract::{DeviceError, ids_of};
+use terrafill_contract::{DeviceError, ids_of, numbers_hash};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::GridCamera;
 use terrafill_shapes::rays::{Judged, Rays};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, planned_case, verified};
+use terrafill_study::{
+    CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, planned_case, verified,
+};
 
 /// Cells a side of a tile: as published, and fewer in a quick run.
 const TILE_CELLS: u32 = 256;
@@ -101,7 +104,7 @@ fn of_cases(
             cases,
         },
         open: |group, context| {
-            Ok(Box::new(CullSession {
+            Ok(Box::new(JudgedOnce(CullSession {
                 group,
                 context,
                 ground: Rc::new(Ground::new(group.work.tile_cells)),
@@ -109,7 +112,7 @@ fn of_cases(
                 wgpu: None,
                 views: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -223,27 +226,30 @@ fn is_kept(case: &CullCase, wrong: &[bool]) -> bool {
     (case.second == 0 && is_shown) || wrong.contains(&true)
 }
 
-impl Session for CullSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for CullSession<'_> {
+    type Shown = (Vec<u32>, Shown);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
+        let CullCase { way, view, .. } = self.group.work.cases[case];
+        let mut opened = self.open(way, &self.ground.view(&view))?;
+        let shown = opened.draw()?;
+        self.opened.insert(case, opened);
+        let numbers = ids_of(&shown.picture);
+        let hash = match &shown.kept {
+            Kept::List(patches) => numbers_hash(patches),
+            Kept::Count(count) => count.to_string(),
+        };
+        let hash = format!("{}-{hash}", shown_hash(&numbers, &shown.counted));
+        Ok((hash, (numbers, shown)))
+    }
+
+    fn judge(&mut self, case: usize, (numbers, shown): Self::Shown) -> Result<Verdict, Failure> {
         let CullCase { way, view, second } = self.group.work.cases[case];
         let size = self.group.work.size;
-        let key = (view.name, second);
         let ground = Rc::clone(&self.ground);
-        let truth = self.views.entry(key);
-        let seen = truth
-            .or_insert_with(|| Truth::new(&ground, &view, size))
-            .view;
-        let mut opened = self.open(way, &seen)?;
-        let shown = opened.draw()?;
-        let planned = &self.group.cases[case];
-        if planned.samples > 0 {
-            self.opened.insert(case, opened);
-        }
-        let numbers = ids_of(&shown.picture);
-        let Some(truth) = self.views.get_mut(&key) else {
-            return Err(Failure::Broken("its view is gone".to_owned()));
-        };
-        let rays = rays(&ground, &seen, size);
+        let truth = self.views.entry((view.name, second));
+        let truth = truth.or_insert_with(|| Truth::new(&ground, &view, size));
+        let rays = rays(&ground, &truth.view, size);
         let judged = rays.judge_triangles(&numbers, &truth.met);
         let first = truth.first.entry(way.interface);
         let first = first.or_insert_with(|| numbers.clone());
@@ -258,7 +264,12 @@ impl Session for CullSession<'_> {
         // What differs from the first way's picture, and rays do not allow, is red.
         let notes = if is_kept(&self.group.work.cases[case], &wrong) {
             let pixels = of_numbers(&numbers, Some(ground.grid.cells), &wrong);
-            write(self.context.folder, &planned.id.name, size, pixels)?
+            write(
+                self.context.folder,
+                &self.group.cases[case].id.name,
+                size,
+                pixels,
+            )?
         } else {
             Vec::new()
         };

@@ -120,8 +120,8 @@ pub(crate) const VIEWS: [ViewKind; 3] = [
 /// Seconds of the flight, as long as the published one.
 pub(crate) const FLIGHT_S: u32 = 25;
 
-/// Where the flight is after so many seconds: along the ground's diagonal, from 2 km down to 100 m and up again,
-/// turning by 10° a second, as its own path; the published one is not stated.
+/// Where the flight is after so many seconds: along the ground's diagonal, from 2 km down to 100 m and up again. It turns
+/// by 10° a second. The published path is not stated.
 pub(crate) fn flight(second: u32) -> ViewKind {
     let done = f64::from(second) / f64::from(FLIGHT_S);
     let low = (2.0 * done - 1.0).abs();

@@ -10,7 +10,7 @@ use super::on_wgpu::{Accumulator, DrawnInto};
 use super::turning::{Layer, Turning, columns};
 use crate::STUDY;
 use crate::blur::{BlurError, Moments, Resolve, error_of, moment_of};
-use crate::draws::{LooksUp, differing};
+use crate::draws::{Looked, LooksUp, bits, differing, shown_hash};
 use crate::images::{of_shares, size_px, square, write};
 use crate::lights::LightWay;
 use crate::meshes::size_of;
@@ -20,11 +20,11 @@ use bytemuck::{Pod, Zeroable};
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use terrafill_contract::{DeviceError, Devices};
+use terrafill_contract::{DeviceError, Devices, numbers_hash};
 use terrafill_results::{PlannedCase, SplitMix64, Verdict};
 use terrafill_study::{
-    CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
-    verified,
+    CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Request, Shows, judged,
+    planned_case, verified,
 };
 
 /// Layers that a pixel is made of.
@@ -224,14 +224,14 @@ fn group(layers: u32, turning: Shared, level: u32, side: u32, samples: u32) -> C
         },
         open: |group, context| {
             let Blurs { level, side, .. } = group.work;
-            Ok(Box::new(BlurSession {
+            Ok(Box::new(JudgedOnce(BlurSession {
                 turning: group.work.turning.get_or_init(|| Turning::new(level, side)),
                 group,
                 context,
                 ranges: BTreeMap::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -300,7 +300,7 @@ impl BlurCase {
         };
         let which = usize::from(matches!(self.made, LayerUse::Resolved(_)));
         let (mut wrong, mut pairs) = (0, Vec::new());
-        let judged = turning.pixels.iter().zip(&turning.exact).zip(ranges);
+        let judged = turning.pixels.iter().zip(turning.exact()).zip(ranges);
         for (([column, row], exact), own) in judged {
             let shown = numbers.get((row * side + column) as usize);
             let shown = f64::from(shown.copied().unwrap_or(f32::NAN));
@@ -326,16 +326,30 @@ struct BlurSession<'a> {
     opened: BTreeMap<usize, Box<dyn LooksUp>>,
 }
 
-impl Session for BlurSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for BlurSession<'_> {
+    type Shown = Looked;
+
+    fn show(&mut self, case: usize) -> Result<(String, Looked), Failure> {
+        let Blurs {
+            side, ref cases, ..
+        } = self.group.work;
+        let scene = cases[case].scene(self.turning, side);
+        let mut opened = cases[case].way.open(self.context.devices, &scene)?;
+        let looked = opened.draw()?;
+        self.opened.insert(case, opened);
+        let numbers = bits(&numbers_of(&looked.picture.rgba));
+        let depths = numbers_hash(&bits(&looked.depths));
+        let hash = format!("{}-{depths}", shown_hash(&numbers, &looked.counted));
+        Ok((hash, looked))
+    }
+
+    fn judge(&mut self, case: usize, looked: Looked) -> Result<Verdict, Failure> {
         let Blurs {
             side, ref cases, ..
         } = self.group.work;
         let (blurred, turning) = (cases[case], self.turning);
         let moments = blurred.made.name();
-        let scene = blurred.scene(turning, side);
-        let mut opened = blurred.way.open(self.context.devices, &scene)?;
-        let looked = opened.draw()?;
+        let side_px = side.div_ceil(blurred.made.tile());
         let ranges = self.ranges.entry(moments).or_insert_with(|| {
             let layers = blurred.made.layers(blurred.layers);
             turning.ranges(&layers, blurred.made.tile())
@@ -346,7 +360,7 @@ impl Session for BlurSession<'_> {
         // Jittered moments and trails come by one way, which is compared with nothing.
         let is_compared =
             blurred.made == LayerUse::Mean && blurred.way.interface() == Interface::Vulkan;
-        let texels = (is_compared && scene.side.is_power_of_two()).then(|| {
+        let texels = (is_compared && side_px.is_power_of_two()).then(|| {
             let first = self.first.entry(moments);
             let first = first.or_insert_with(|| looked.depths.clone());
             let of_bits = |depths| bytemuck::cast_slice::<f32, u32>(depths);
@@ -362,6 +376,7 @@ impl Session for BlurSession<'_> {
         } else {
             String::new()
         };
+        let opened = &self.opened[&case];
         let mut figures = vec![
             ("blur_rms", error.rms),
             ("blur_max", error.max),
@@ -373,7 +388,6 @@ impl Session for BlurSession<'_> {
         figures.retain(|(_, value)| value.is_finite());
         figures.extend(texels.map(|texels| ("lights_depths_differing", texels as f64)));
         figures.extend(looked.counted.figures());
-        self.opened.insert(case, opened);
         let is_first = blurred.way == BlurWay::Layers(Interface::Vulkan, LightWay::Passes);
         let is_shown = is_first && PICTURED.contains(&blurred.layers);
         let notes = if is_shown || !reason.is_empty() {

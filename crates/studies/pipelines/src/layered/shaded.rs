@@ -383,7 +383,6 @@ impl Shade {
         let share = |count: usize| count as f64 / found.judged.max(1) as f64;
         found.figures = vec![
             ("variance_dark_share", share(dark)),
-            ("variance_black_share", share(black)),
             ("variance_black_px", black as f64),
             ("variance_outside_share", share(outside)),
         ];

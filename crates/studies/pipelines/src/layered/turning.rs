@@ -7,6 +7,7 @@
 use crate::lights::LightColumns;
 use crate::meshes::pot_mesh;
 use glam::{DMat4, DQuat, DVec2, DVec4};
+use std::cell::OnceCell;
 use terrafill_shapes::grid::{GridCamera, NEAR_M, nearest};
 use terrafill_shapes::mesh::Mesh;
 use terrafill_shapes::mesh_rays::MeshRays;
@@ -36,8 +37,7 @@ pub(super) struct Turning {
     side: u32,
     /// Column and row of each judged pixel.
     pub(super) pixels: Vec<[u32; 2]>,
-    /// Grey of all moments, and of a trail that fades linearly with age, of each judged pixel.
-    pub(super) exact: Vec<[f64; 2]>,
+    exact: OnceCell<Vec<[f64; 2]>>,
 }
 
 /// From where the resting pot looks as the turned one does from where it is seen.
@@ -89,14 +89,17 @@ impl Turning {
         // Fewer of a small picture, whose rays meet more triangles; an odd step meets all places of a tile.
         let every = (side as usize / 8) | 1;
         let all = (0..side).flat_map(|row| (0..side).map(move |column| [column, row]));
-        let mut turning = Self {
+        Self {
             mesh: pot_mesh(level),
             side,
             pixels: all.step_by(every).collect(),
-            exact: Vec::new(),
-        };
-        turning.exact = turning.over_time();
-        turning
+            exact: OnceCell::new(),
+        }
+    }
+
+    /// Grey of all moments, and of a trail that fades linearly with age, of each judged pixel.
+    pub(super) fn exact(&self) -> &[[f64; 2]] {
+        self.exact.get_or_init(|| self.over_time())
     }
 
     /// Corners of all triangles, as a device reads them.
@@ -189,7 +192,7 @@ mod tests {
                 0.5 * (low + high) / 64.0
             });
             let squares = means
-                .zip(&turning.exact)
+                .zip(turning.exact())
                 .map(|(mean, of)| (mean - of[0]).powi(2));
             (squares.sum::<f64>() / turning.pixels.len() as f64).sqrt()
         };

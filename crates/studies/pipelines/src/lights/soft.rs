@@ -11,7 +11,7 @@ use super::reference::{DEPTH_BAND_M, LitRays, OFF_GROUND_M};
 use super::scene::{LightConstants, RADIUS_M, bias_m, ground, lights};
 use super::way::LightWay;
 use crate::STUDY;
-use crate::draws::{LooksUp as _, count};
+use crate::draws::{LooksUp as _, bits, count};
 use crate::images::{of_shares, size_px, write};
 use crate::layered::{TAPS, share_bounds};
 use crate::metrics::{self, EXPERIMENT, GRID_CELLS, MAP_TEXELS, SHADOW_FILTER};
@@ -19,13 +19,13 @@ use crate::on_vulkan::{heights, uniform};
 use crate::variance::Moments;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
-use terrafill_contract::{DeviceError, ids_of};
+use terrafill_contract::{DeviceError, ids_of, numbers_hash};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::{Grid, GridCamera, GridConstants, nearest};
 use terrafill_shapes::rays::{BAND_PX, Rays, around, within};
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
+    CaseGroup, Context, Failure, Figures, Group, JudgedOnce, Shows, judged, planned_case, verified,
 };
 
 const LIGHTS: u32 = 4;
@@ -101,12 +101,12 @@ fn group(cells: u32, sides: &[u32], (size, samples): (ImageSize, u32)) -> CaseGr
         warm_up: None,
         work: SoftShadows { cells, cases, size },
         open: |group, context| {
-            Ok(Box::new(SoftSession {
+            Ok(Box::new(JudgedOnce(SoftSession {
                 group,
                 context,
                 grid: ground(group.work.cells),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -304,15 +304,29 @@ struct SoftSession<'a> {
     opened: BTreeMap<usize, OnVulkan>,
 }
 
-impl Session for SoftSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for SoftSession<'_> {
+    /// Numbers of the picture, and depths of the maps.
+    type Shown = (Vec<u32>, Vec<f32>);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
+        let SoftShadows {
+            ref cases, size, ..
+        } = self.group.work;
+        let mut opened = open(self.context, &self.grid, cases[case], size)?;
+        let shown = opened.draw()?;
+        self.opened.insert(case, opened);
+        let numbers = ids_of(&shown.picture);
+        let depths = numbers_hash(&bits(&shown.depths));
+        let hash = format!("{}-{depths}", numbers_hash(&numbers));
+        Ok((hash, (numbers, shown.depths)))
+    }
+
+    fn judge(&mut self, case: usize, (numbers, depths): Self::Shown) -> Result<Verdict, Failure> {
         let SoftShadows {
             ref cases, size, ..
         } = self.group.work;
         let (filter, side) = cases[case];
-        let mut opened = open(self.context, &self.grid, cases[case], size)?;
-        let shown = opened.draw()?;
-        let shares = shares_of(&ids_of(&shown.picture));
+        let shares = shares_of(&numbers);
         let lights = lights(LIGHTS);
         let rays = SoftRays {
             lit: LitRays {
@@ -321,7 +335,7 @@ impl Session for SoftSession<'_> {
                 side,
             },
             filter,
-            depths: &shown.depths,
+            depths: &depths,
         };
         let found = rays.judge(&shares, judged_every(size));
         let reason = if found.mismatched > 0 {
@@ -337,9 +351,8 @@ impl Session for SoftSession<'_> {
             ("pipeline_band_px", found.in_band as f64),
             ("soft_rms", found.rms),
             ("soft_mean", found.mean),
-            ("pipeline_held_bytes", opened.bytes() as f64),
+            ("pipeline_held_bytes", self.opened[&case].bytes() as f64),
         ];
-        self.opened.insert(case, opened);
         let name = &self.group.cases[case].id.name;
         let notes = write(self.context.folder, name, size, of_shares(&shares))?;
         Ok(judged(reason, figures, notes))

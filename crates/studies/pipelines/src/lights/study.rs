@@ -6,17 +6,17 @@ use super::reference::{JudgedLights, LitRays};
 use super::scene::{DistantLight, ground, lights};
 use super::way::LightWay;
 use crate::STUDY;
-use crate::draws::{LooksUp as _, bits, differing};
+use crate::draws::{Counted, LooksUp as _, bits, differing, shown_hash};
 use crate::images::{of_lights, size_px, write};
 use crate::metrics::{self, EXPERIMENT, GRID_CELLS, LAYERS_BY, MAP_TEXELS};
 use std::collections::BTreeMap;
-use terrafill_contract::ids_of;
+use terrafill_contract::{ids_of, numbers_hash};
 use terrafill_results::Verdict;
 use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::{Grid, GridCamera};
 use terrafill_shapes::rays::Rays;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
+    CaseGroup, Context, Failure, Figures, Group, JudgedOnce, Shows, judged, planned_case, verified,
 };
 
 const LIGHTS: [u32; 5] = [1, 2, 4, 8, 16];
@@ -71,18 +71,25 @@ fn group(
             size,
         },
         open: |group, context| {
-            Ok(Box::new(LightSession {
+            Ok(Box::new(JudgedOnce(LightSession {
                 group,
                 context,
                 grid: ground(group.work.cells),
                 first: None,
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
 
-/// Numbers of a picture and bits of its depths, and what rays say of the numbers.
+/// Numbers of a picture and bits of its maps' depths.
+struct ShownMaps {
+    numbers: Vec<u32>,
+    depths: Vec<u32>,
+    counted: Counted,
+}
+
+/// The same of the first way, and what rays say of the numbers.
 struct FirstMaps {
     numbers: Vec<u32>,
     depths: Vec<u32>,
@@ -99,8 +106,10 @@ struct LightSession<'a> {
     opened: BTreeMap<usize, OnVulkan>,
 }
 
-impl Session for LightSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for LightSession<'_> {
+    type Shown = ShownMaps;
+
+    fn show(&mut self, case: usize) -> Result<(String, ShownMaps), Failure> {
         let Lights {
             ref lights,
             side,
@@ -111,14 +120,34 @@ impl Session for LightSession<'_> {
         let way = LightWay::ALL[case];
         let mut opened = OnVulkan::new(&gpu, way, &self.grid, lights, side, size)?;
         let shown = opened.draw()?;
-        let numbers = ids_of(&shown.picture);
+        self.opened.insert(case, opened);
+        let maps = ShownMaps {
+            numbers: ids_of(&shown.picture),
+            depths: bits(&shown.depths),
+            counted: shown.counted,
+        };
+        let hash = shown_hash(&maps.numbers, &maps.counted);
+        Ok((format!("{hash}-{}", numbers_hash(&maps.depths)), maps))
+    }
+
+    fn judge(&mut self, case: usize, shown: ShownMaps) -> Result<Verdict, Failure> {
+        let Lights {
+            ref lights,
+            side,
+            size,
+            ..
+        } = self.group.work;
+        let ShownMaps {
+            numbers,
+            depths,
+            counted,
+        } = shown;
         let rays = LitRays {
             rays: Rays::new(&self.grid, GridCamera::new(), size),
             lights,
             side,
         };
         let is_first = self.first.is_none();
-        let depths = bits(&shown.depths);
         let judge = || rays.judge(&numbers, RAY_EVERY);
         let first = self.first.get_or_insert_with(|| FirstMaps {
             found: judge(),
@@ -145,6 +174,7 @@ impl Session for LightSession<'_> {
         } else {
             String::new()
         };
+        let opened = &self.opened[&case];
         let mut figures = vec![
             ("pipeline_mismatched_px", found.judged.mismatched as f64),
             ("pipeline_band_px", found.judged.in_band as f64),
@@ -158,8 +188,7 @@ impl Session for LightSession<'_> {
                 found.map_differs as f64 / found.looked_at.max(1) as f64,
             ),
         ];
-        figures.extend(shown.counted.figures());
-        self.opened.insert(case, opened);
+        figures.extend(counted.figures());
         let notes = if is_first || !reason.is_empty() {
             let name = &self.group.cases[case].id.name;
             let pixels = of_lights(&numbers, lights.len());

@@ -5,10 +5,11 @@ use super::ground::BlockGround;
 use super::{on_vulkan, on_wgpu};
 use crate::STUDY;
 use crate::cache::keep::Keep;
-use crate::draws::{Draws, differing};
+use crate::draws::{Counted, Draws, differing, shown_hash};
 use crate::images::{of_relief, size_px, write};
 use crate::metrics::{self, API, EXPERIMENT, GRID_CELLS, KEPT_IN};
 use crate::way::Interface;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, Devices, ids_of};
 use terrafill_results::Verdict;
@@ -16,7 +17,7 @@ use terrafill_scene::ImageSize;
 use terrafill_shapes::grid::GridCamera;
 use terrafill_shapes::rays::Rays;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Group, Session, judged, planned_case, verified,
+    CaseGroup, Context, Failure, Figures, Group, JudgedOnce, Shows, judged, planned_case, verified,
 };
 
 /// Blocks a side of the ground, and cells a side of a block: 257 samples as published, and more blocks of fewer.
@@ -82,15 +83,14 @@ fn group(
         },
         open: |group, context| {
             let ground = BlockGround::new(group.work.across, group.work.block_cells);
-            let rays = Rays::new(&ground.grid, GridCamera::new(), group.work.size);
-            Ok(Box::new(BlockSession {
+            Ok(Box::new(JudgedOnce(BlockSession {
                 group,
                 context,
-                truth: rays.picture(ray_every(group.work.size)),
                 ground,
+                truth: OnceCell::new(),
                 first: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -118,22 +118,31 @@ struct BlockSession<'a> {
     context: Context<'a>,
     ground: BlockGround,
     /// Numbers of triangles by rays, each behind its pixel's number.
-    truth: Vec<(usize, u32)>,
+    truth: OnceCell<Vec<(usize, u32)>>,
     /// Of the first way on each interface.
     first: BTreeMap<Interface, Vec<u32>>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn Draws>>,
 }
 
-impl Session for BlockSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for BlockSession<'_> {
+    type Shown = (Vec<u32>, Counted);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
         let DrawnBlocks { ref ways, size, .. } = self.group.work;
-        let (interface, keep) = ways[case];
         let mut opened = open(self.context.devices, ways[case], &self.ground, size)?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
+        self.opened.insert(case, opened);
+        Ok((shown_hash(&numbers, &counted), (numbers, counted)))
+    }
+
+    fn judge(&mut self, case: usize, (numbers, counted): Self::Shown) -> Result<Verdict, Failure> {
+        let DrawnBlocks { ref ways, size, .. } = self.group.work;
+        let (interface, keep) = ways[case];
         let rays = Rays::new(&self.ground.grid, GridCamera::new(), size);
-        let found = rays.judge_triangles(&numbers, &self.truth);
+        let truth = self.truth.get_or_init(|| rays.picture(ray_every(size)));
+        let found = rays.judge_triangles(&numbers, truth);
         let is_first = !self.first.contains_key(&interface);
         let first = self
             .first
@@ -162,7 +171,6 @@ impl Session for BlockSession<'_> {
             ("cache_binds", draws),
         ];
         figures.extend(counted.figures());
-        self.opened.insert(case, opened);
         let notes = if is_first || !reason.is_empty() {
             let name = &self.group.cases[case].id.name;
             let pixels = of_relief(&numbers, &self.ground.grid);

@@ -4,10 +4,11 @@
 use super::super::picture::{shaded, size_of};
 use super::way::ImageWay;
 use crate::STUDY;
-use crate::draws::{Draws as _, JudgedFigures as _};
+use crate::draws::{Counted, Draws as _, JudgedFigures as _, shown_hash};
 use crate::images::{of_numbers, size_px, write};
 use crate::metrics::{CUT, EXPERIMENT, STORED, TEXELS, WAY};
 use crate::on_vulkan::OnVulkan;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use terrafill_contract::ids_of;
 use terrafill_results::Verdict;
@@ -16,11 +17,12 @@ use terrafill_shapes::distance::Distances;
 use terrafill_shapes::mesh::Mesh;
 use terrafill_shapes::mesh_rays::MeshRays;
 use terrafill_shapes::rabbit::rabbit_view;
+use terrafill_shapes::rays::Judged;
 use terrafill_shapes::sphere::Sphere;
 use terrafill_shapes::square::{CellCut, Stored, distances, image, open_texels, sphere};
 use terrafill_study::{
-    CaseGroup, Context, Depth, Failure, Figures, Group, Request, Session, judged, planned_case,
-    verified,
+    CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Request, Shows, judged,
+    planned_case, verified,
 };
 
 /// Cells a side, one less than texels: the published image has 257.
@@ -87,13 +89,13 @@ fn group_of(cases: Vec<(ImageWay, Kind)>, size: ImageSize, samples: u32) -> Case
         warm_up: None,
         work: Images { cases, size },
         open: |group, context| {
-            Ok(Box::new(ImageSession {
+            Ok(Box::new(JudgedOnce(ImageSession {
                 group,
                 context,
                 sphere: sphere(),
                 models: BTreeMap::new(),
                 opened: BTreeMap::new(),
-            }))
+            })))
         },
     }
 }
@@ -101,23 +103,26 @@ fn group_of(cases: Vec<(ImageWay, Kind)>, size: ImageSize, samples: u32) -> Case
 /// An image, and what is known of it.
 struct Model {
     mesh: Mesh,
-    truth: Vec<u32>,
-    distances: Distances,
+    /// Numbers of triangles by rays.
+    truth: OnceCell<Vec<u32>>,
+    /// From the sphere.
+    distances: OnceCell<Distances>,
     open_texels: usize,
 }
 
 impl Model {
-    fn new(sphere: &Sphere, kind: Kind, side: u32) -> Self {
-        let Kind { cells, cut, stored } = kind;
+    fn new(sphere: &Sphere, Kind { cells, cut, stored }: Kind) -> Self {
         let places = image(sphere, cells, stored);
-        let open_texels = open_texels(&places, cells);
-        let mesh = Mesh::new(places, cells, |column, row| cut.of(cells, column, row));
         Self {
-            truth: MeshRays::new(&mesh, rabbit_view(), side).picture(),
-            distances: distances(&mesh, cells, sphere),
-            mesh,
-            open_texels,
+            open_texels: open_texels(&places, cells),
+            mesh: Mesh::new(places, cells, |column, row| cut.of(cells, column, row)),
+            truth: OnceCell::new(),
+            distances: OnceCell::new(),
         }
+    }
+
+    fn judge(&self, rays: &MeshRays<'_>, numbers: &[u32]) -> Judged {
+        rays.judge(numbers, self.truth.get_or_init(|| rays.picture()))
     }
 }
 
@@ -130,25 +135,32 @@ struct ImageSession<'a> {
     opened: BTreeMap<usize, OnVulkan>,
 }
 
-impl Session for ImageSession<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for ImageSession<'_> {
+    type Shown = (Vec<u32>, Counted);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
         let size = self.group.work.size;
         let (way, kind) = self.group.work.cases[case];
         let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
-        let model = self
-            .models
-            .entry(kind)
-            .or_insert_with(|| Model::new(&self.sphere, kind, size.height));
-        let cells = kind.cells;
-        let mut opened = way.open(&gpu, &model.mesh, (cells, kind.cut), size)?;
+        let model = self.models.entry(kind);
+        let model = model.or_insert_with(|| Model::new(&self.sphere, kind));
+        let mut opened = way.open(&gpu, &model.mesh, (kind.cells, kind.cut), size)?;
         let (picture, counted) = opened.draw()?;
         let numbers = ids_of(&picture);
+        self.opened.insert(case, opened);
+        Ok((shown_hash(&numbers, &counted), (numbers, counted)))
+    }
+
+    fn judge(&mut self, case: usize, (numbers, counted): Self::Shown) -> Result<Verdict, Failure> {
+        let size = self.group.work.size;
+        let (way, kind) = self.group.work.cases[case];
+        let (model, cells) = (&self.models[&kind], kind.cells);
         let rays = MeshRays::new(&model.mesh, rabbit_view(), size.height);
         let is_of_points = way == ImageWay::Points;
         let found = if is_of_points {
             rays.judge_points(&numbers)
         } else {
-            rays.judge(&numbers, &model.truth)
+            model.judge(&rays, &numbers)
         };
         let expected = way.primitives(cells);
         let reason = if self.sphere.turned() > 0 {
@@ -159,7 +171,8 @@ impl Session for ImageSession<'_> {
             found.reason(&counted, expected)
         };
         let mut figures = found.figures();
-        figures.extend(model.distances.figures(size.height));
+        let measured = || distances(&model.mesh, cells, &self.sphere);
+        figures.extend(model.distances.get_or_init(measured).figures(size.height));
         figures.extend([
             ("pipeline_held_bytes", way.held_bytes(cells) as f64),
             (
@@ -168,7 +181,6 @@ impl Session for ImageSession<'_> {
             ),
         ]);
         figures.extend(counted.figures());
-        self.opened.insert(case, opened);
         let is_pictured = matches!(way, ImageWay::Points | ImageWay::Geometry);
         let is_shown = is_pictured && cells == PUBLISHED_CELLS;
         let notes = if is_shown || !reason.is_empty() {
@@ -219,16 +231,17 @@ mod tests {
             cut: CellCut::Published,
             stored: Stored::Float,
         };
-        let model = Model::new(&sphere(), kind, PICTURE.height);
+        let model = Model::new(&sphere(), kind);
         let rays = MeshRays::new(&model.mesh, rabbit_view(), PICTURE.height);
         let judge = |mesh: &Mesh| {
             let opened = ImageWay::Geometry.open(&gpu, mesh, (64, CellCut::Published), PICTURE);
             let (picture, _) = opened.expect("opens").draw().expect("draws");
-            rays.judge(&ids_of(&picture), &model.truth).mismatched
+            model.judge(&rays, &ids_of(&picture)).mismatched
         };
         assert_eq!(judge(&model.mesh), 0);
         // One that the picture shows.
-        let shown = model.truth.iter().find(|number| **number > 0).expect("one");
+        let truth = model.truth.get().expect("judged");
+        let shown = truth.iter().find(|number| **number > 0).expect("one");
         let corner = model.mesh.triangles[*shown as usize - 1][0];
         let mut moved = model.mesh.clone();
         moved.vertices[corner as usize] += DVec3::Z * 0.2;

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sessions that judge what they draw. Judging takes longer than drawing, and processes that only time need not repeat
+//! it: a hash says that a case shows what it showed when it was verified.
+
+use crate::{Failure, Figures, Session};
+use std::collections::BTreeMap;
+use terrafill_results::{Status, Verdict};
+
+/// Note of the hash of what a case showed.
+const SHOWN: &str = "shown";
+
+/// A session whose cases show something.
+pub trait Shows {
+    /// What a case showed.
+    type Shown;
+
+    /// Prepares a case for its timed frames, and takes what it shows.
+    ///
+    /// - returns: its hash as well, of everything that is judged and may differ from process to process
+    ///
+    /// # Errors
+    /// [`Failure`], which becomes the case's verdict.
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure>;
+
+    /// Compares it with the reference.
+    ///
+    /// # Errors
+    /// As [`Shows::show`].
+    fn judge(&mut self, case: usize, shown: Self::Shown) -> Result<Verdict, Failure>;
+
+    /// A timed frame of a case that was shown: metric names and values.
+    ///
+    /// # Errors
+    /// [`Failure`], with which the case fails.
+    fn time(&mut self, case: usize) -> Result<Figures, Failure>;
+}
+
+/// The session of a [`Shows`]. Whatever shows something else than when it was verified is judged again.
+#[derive(Debug)]
+pub struct JudgedOnce<S>(pub S);
+
+impl<S: Shows> Session for JudgedOnce<S> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let (hash, shown) = self.0.show(case)?;
+        let mut verdict = self.0.judge(case, shown)?;
+        verdict.notes.push((SHOWN, hash));
+        Ok(verdict)
+    }
+
+    fn recheck(
+        &mut self,
+        case: usize,
+        status: Status,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, Failure> {
+        let (hash, shown) = self.0.show(case)?;
+        if notes.get(SHOWN) == Some(&hash) {
+            return Ok(Verdict {
+                status,
+                ..Verdict::default()
+            });
+        }
+        self.0.judge(case, shown)
+    }
+
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        self.0.time(case)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judged;
+
+    /// Shows a number, which is right below ten.
+    struct Number {
+        shown: u32,
+        judged: u32,
+    }
+
+    impl Shows for Number {
+        type Shown = u32;
+
+        fn show(&mut self, _: usize) -> Result<(String, u32), Failure> {
+            Ok((self.shown.to_string(), self.shown))
+        }
+
+        fn judge(&mut self, _: usize, shown: u32) -> Result<Verdict, Failure> {
+            self.judged += 1;
+            let reason = if shown < 10 { "" } else { "ten or more" };
+            Ok(judged(reason.to_owned(), Vec::new(), Vec::new()))
+        }
+
+        fn time(&mut self, _: usize) -> Result<Figures, Failure> {
+            Ok(Vec::new())
+        }
+    }
+
+    #[test]
+    fn what_shows_the_same_is_not_judged_again_and_what_does_not_is() {
+        let mut session = JudgedOnce(Number {
+            shown: 3,
+            judged: 0,
+        });
+        let verdict = session.verify(0).expect("a verdict");
+        assert_eq!(verdict.notes, [(SHOWN, "3".to_owned())]);
+        let notes = BTreeMap::from([(SHOWN.to_owned(), "3".to_owned())]);
+        let mut recheck = |shown, notes| {
+            session.0 = Number { shown, judged: 0 };
+            let verdict = session.recheck(0, Status::Ok, notes).expect("a verdict");
+            (verdict.status, session.0.judged)
+        };
+        assert_eq!(recheck(3, &notes), (Status::Ok, 0));
+        // Negative controls: other bits that are right, a wrong picture, and a run without hashes.
+        assert_eq!(recheck(4, &notes), (Status::Ok, 1));
+        assert_eq!(recheck(10, &notes), (Status::Wrong, 1));
+        assert_eq!(recheck(3, &BTreeMap::new()), (Status::Ok, 1));
+    }
+}
