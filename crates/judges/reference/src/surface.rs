@@ -12,12 +12,16 @@
 //! axis) only says which triangles to ask.
 
 use glam::DVec3;
+use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 use terrafill_core::Ellipsoid;
 use terrafill_surface::SurfaceFrame;
 
 /// Triangles in a leaf.
 const LEAF_SIZE: usize = 4;
+
+/// Triangles of a part of the tree that is not worth another thread.
+const ON_ONE_CORE: usize = 4_096;
 
 /// Box distances are compared with this much to spare, a few thousand times their rounding.
 const BOX_MARGIN: f64 = 1e-12;
@@ -127,6 +131,16 @@ struct Node {
     halves: Option<[usize; 2]>,
 }
 
+impl Node {
+    const EMPTY: Self = Self {
+        low: DVec3::INFINITY,
+        high: DVec3::NEG_INFINITY,
+        first: 0,
+        last: 0,
+        halves: None,
+    };
+}
+
 impl SurfaceTriangles {
     /// Triangles with a NaN or infinite corner cannot be met; they are counted instead.
     #[must_use]
@@ -137,13 +151,20 @@ impl SurfaceTriangles {
         let count = all.len();
         all.retain(|corners| corners.iter().all(|corner| corner.is_finite()));
         let non_finite = (count - all.len()) as u64;
+        let entry = |(triangle, &[a, b, c]): (u32, &[DVec3; 3])| Entry {
+            middle: (a + b + c).to_array(),
+            triangle,
+        };
+        let mut entries: Vec<Entry> = (0..).zip(&all).map(entry).collect();
         let mut nodes = Vec::new();
-        let last = all.len();
-        if last > 0 {
-            build(&mut all, 0, last, &mut nodes);
+        if !entries.is_empty() {
+            let depth = depth_of(entries.len());
+            nodes.resize(nodes_of(depth), Node::EMPTY);
+            build(&all, (0, &mut entries), depth, (0, &mut nodes));
         }
+        let facet = |entry: &Entry| Facet::new(all[entry.triangle as usize]);
         Self {
-            triangles: all.into_iter().map(Facet::new).collect(),
+            triangles: entries.par_iter().map(facet).collect(),
             nodes,
             non_finite,
             body: None,
@@ -240,38 +261,83 @@ impl SurfaceTriangles {
     }
 }
 
-/// Appends the node of `triangles[first..last]`, its halves after it, and returns its index.
-fn build(triangles: &mut [[DVec3; 3]], first: usize, last: usize, nodes: &mut Vec<Node>) -> usize {
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    for corner in triangles[first..last].iter().flatten() {
-        low = low.min(*corner);
-        high = high.max(*corner);
+/// A triangle while the tree is made: far smaller than its corners, which stay where they are.
+struct Entry {
+    /// Sum of its corners.
+    middle: [f64; 3],
+    triangle: u32,
+}
+
+/// Halvings after which no part has more than [`LEAF_SIZE`] triangles.
+fn depth_of(triangles: usize) -> u32 {
+    triangles
+        .div_ceil(LEAF_SIZE)
+        .next_power_of_two()
+        .trailing_zeros()
+}
+
+/// Nodes of a tree of this depth.
+fn nodes_of(depth: u32) -> usize {
+    (2 << depth) - 1
+}
+
+/// Orders entries so that every half holds one side of the longest axis of its middles, and fills in their nodes: a node,
+/// then its first half, then its second.
+///
+/// - `first`: of the entries, among all
+/// - `at`: of the nodes, among all
+fn build(
+    corners: &[[DVec3; 3]],
+    (first, entries): (usize, &mut [Entry]),
+    depth: u32,
+    (at, nodes): (usize, &mut [Node]),
+) {
+    let Some((node, rest)) = nodes.split_first_mut() else {
+        return;
+    };
+    (node.first, node.last) = (first, first + entries.len());
+    if depth == 0 {
+        for corner in entries
+            .iter()
+            .flat_map(|entry| corners[entry.triangle as usize])
+        {
+            node.low = node.low.min(corner);
+            node.high = node.high.max(corner);
+        }
+        return;
     }
-    let index = nodes.len();
-    nodes.push(Node {
-        low,
-        high,
-        first,
-        last,
-        halves: None,
-    });
-    if last - first > LEAF_SIZE {
-        let size = (high - low).to_array();
-        let axis = (0..3)
-            .max_by(|&a, &b| size[a].total_cmp(&size[b]))
-            .unwrap_or(0);
-        let middle = usize::midpoint(first, last);
-        let along = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
-        triangles[first..last]
-            .select_nth_unstable_by(middle - first, |a, b| along(a).total_cmp(&along(b)));
-        let halves = [
-            build(triangles, first, middle, nodes),
-            build(triangles, middle, last, nodes),
-        ];
-        nodes[index].halves = Some(halves);
+    let axis = longest_axis(entries);
+    let middle = entries.len() / 2;
+    entries.select_nth_unstable_by(middle, |a, b| a.middle[axis].total_cmp(&b.middle[axis]));
+    let is_large = entries.len() > ON_ONE_CORE;
+    let (left, right) = entries.split_at_mut(middle);
+    let (of_left, of_right) = rest.split_at_mut(nodes_of(depth - 1));
+    let halves = [at + 1, at + 1 + of_left.len()];
+    let mut build_left = || build(corners, (first, left), depth - 1, (halves[0], of_left));
+    let mut build_right = || {
+        let first = first + middle;
+        build(corners, (first, right), depth - 1, (halves[1], of_right));
+    };
+    if is_large {
+        rayon::join(build_left, build_right);
+    } else {
+        build_left();
+        build_right();
     }
-    index
+    node.halves = Some(halves);
+    node.low = of_left[0].low.min(of_right[0].low);
+    node.high = of_left[0].high.max(of_right[0].high);
+}
+
+/// The axis along which middles lie farthest apart.
+fn longest_axis(entries: &[Entry]) -> usize {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for entry in entries {
+        let middle = DVec3::from(entry.middle);
+        low = low.min(middle);
+        high = high.max(middle);
+    }
+    (high - low).max_position()
 }
 
 /// A direction from the origin, ready for boxes.
