@@ -17,7 +17,7 @@ case "${1:-} $#" in
 esac
 to=$2
 # What a clone should carry of a report; a test refuses more.
-max_bytes=2000000
+max_bytes=2500000
 cargo build --release --locked --package terrafill
 program=${CARGO_TARGET_DIR:-target}/release/terrafill
 scratch=$(mktemp -d)

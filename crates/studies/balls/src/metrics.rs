@@ -30,6 +30,10 @@ terrafill_results::conditions! {
     "as-published" = "free flight; the velocity is reflected about the normal whenever the ball is below the ground";
     "inwards-only" = "the same, only where the velocity leads into the ground";
     "at-event" = "reflected where the ball met the ground, from which it flies on for the rest of the step";
+    "cpu" = "the processor, without a device";
+    "transform-feedback" = "the vertex shader steps balls, and transform feedback keeps them";
+    "reflected" = "how a ball leaves the ground that it meets";
+    "craters" = "what balls dig where they first meet the ground";
     "one-thread" = "balls stepped by one thread of the CPU, which writes them for the device to draw";
     "drawn-into-layers" = "a pass a layer takes the craters of a step off its heights";
     "written-by-cpu" = "the CPU reads the balls, computes their craters, and writes the layers that they strike";

@@ -60,6 +60,15 @@ terrafill_results::conditions! {
     "box" = "by the box of least and greatest height against the planes of the frustum";
     "point" = "by the first corner, projected";
     "passes" = "a pass for each layer";
+    "multiview" = "one pass, which Vulkan sends to every layer";
+    "vertex-layer" = "one pass with an instance a layer, which the vertex shader chooses";
+    "geometry-copies" = "one pass, whose geometry shader copies each triangle into every layer";
+    "geometry-invocations" = "the same, by an invocation of the geometry shader a layer";
+    "published" = "as the paper of 2007 has it";
+    "fold" = "cells cut along the lines at which the square was folded to a closed mesh";
+    "filter" = "how depths of a map become a share of light";
+    "geometry image" = "places of a mesh as texels of a square image";
+    "motion blur" = "what a pixel sees in the mean while the shutter is open";
     "blended-f32" = "layers are added up in a target of 32 bits";
     "blended-f16" = "layers are added up in a target of 16 bits";
     "blended-8-bit" = "layers are added up in a target of 8 bits";
