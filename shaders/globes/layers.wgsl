@@ -17,6 +17,8 @@ struct LayerConstants {
 override REMOVED: u32 = 0u;
 // 1: pictures by longitude and latitude.
 override BY_ANGLES: u32 = 0u;
+// 1: bumps are bent normals along ECEF axes, which have no pole.
+override OBJECT_SPACE: u32 = 0u;
 // 1: the power of what may be negative; 2: the tangent (−y, x, 0) at the poles as well; 3: night by the negated light.
 override FAULT: u32 = 0u;
 
@@ -73,7 +75,9 @@ fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
     }
     let base = looked_up(base_cube, base_map, n);
     var m = n;
-    if REMOVED < 4u {
+    if REMOVED < 4u && OBJECT_SPACE == 1u {
+        m = normalize(2.0 * looked_up(bump_cube, bump_map, n).xyz - 1.0);
+    } else if REMOVED < 4u {
         var t = vec3<f32>(-n.y, n.x, 0.0);
         if FAULT == 2u {
             t = normalize(t);

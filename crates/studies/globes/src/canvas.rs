@@ -212,6 +212,31 @@ pub(crate) fn on_cube(face: u32, [s, t]: [f64; 2]) -> DVec3 {
     DVec3::from(direction)
 }
 
+/// A direction's parts along a face's sides and out of it; `globes/spiral.wgsl` has the same.
+pub(crate) fn along_face(face: u32, d: DVec3) -> [f64; 3] {
+    match face {
+        0 => [-d.z, -d.y, d.x],
+        1 => [d.z, -d.y, -d.x],
+        2 => [d.x, d.z, d.y],
+        3 => [d.x, -d.z, -d.y],
+        4 => [d.x, -d.y, d.z],
+        _ => [-d.x, -d.y, -d.z],
+    }
+}
+
+/// The face that a direction meets.
+pub(crate) fn face_of(d: DVec3) -> u32 {
+    let size = d.abs();
+    let (axis, value) = if size.x >= size.y && size.x >= size.z {
+        (0, d.x)
+    } else if size.y >= size.z {
+        (2, d.y)
+    } else {
+        (4, d.z)
+    };
+    axis + u32::from(value < 0.0)
+}
+
 /// A buffer that the CPU writes now and then.
 pub(crate) fn written(
     gpu: &Gpu,

@@ -26,6 +26,8 @@ pub(crate) struct List {
     pub(crate) surface: Vec<SurfaceRow>,
     /// Under tiles of a map.
     pub(crate) tiled_view: Vec<ViewRow>,
+    /// Of the globe of five layers.
+    pub(crate) shaded_view: Vec<ShadedRow>,
 }
 
 /// Where the eye is.
@@ -43,6 +45,42 @@ pub(crate) struct ViewRow {
     /// Whether tiles are drawn there over every published number of cells.
     #[serde(default)]
     pub(crate) all_cells: bool,
+}
+
+/// Where the eye is, over which place the sun stands, and how long clouds have moved.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ShadedRow {
+    pub(crate) name: String,
+    longitude_deg: f64,
+    latitude_deg: f64,
+    height_m: f64,
+    pitch_deg: f64,
+    sun_longitude_deg: f64,
+    sun_latitude_deg: f64,
+    pub(crate) hours: u32,
+}
+
+impl ShadedRow {
+    /// The eye over the Earth, in a square image.
+    pub(crate) fn eye(&self, side_px: u32) -> Eye {
+        let view = ViewRow {
+            longitude_deg: self.longitude_deg,
+            latitude_deg: self.latitude_deg,
+            height_m: self.height_m,
+            pitch_deg: self.pitch_deg,
+            ..ViewRow::default()
+        };
+        view.eye(side_px)
+    }
+
+    /// Towards the sun, of length 1.
+    pub(crate) fn sun(&self) -> DVec3 {
+        let [longitude, latitude] =
+            [self.sun_longitude_deg, self.sun_latitude_deg].map(f64::to_radians);
+        let level = DVec3::new(longitude.cos(), longitude.sin(), 0.0);
+        level * latitude.cos() + DVec3::Z * latitude.sin()
+    }
 }
 
 /// A surface through its knob.
@@ -96,6 +134,14 @@ impl List {
         let mut views = self.view.iter();
         let view = views.find(|view| view.name == name);
         view.ok_or_else(|| format!("no view is called {name:?}"))
+    }
+
+    /// # Errors
+    /// As [`List::view`].
+    pub(crate) fn shaded(&self, name: &str) -> Result<&ShadedRow, String> {
+        let mut views = self.shaded_view.iter();
+        let view = views.find(|view| view.name == name);
+        view.ok_or_else(|| format!("no shaded view is called {name:?}"))
     }
 }
 
@@ -201,6 +247,7 @@ mod tests {
         let list = List::shipped().expect("a list");
         let mut names: Vec<&str> = list.surface.iter().map(|row| row.name.as_str()).collect();
         names.extend(list.view.iter().map(|row| row.name.as_str()));
+        names.extend(list.shaded_view.iter().map(|row| row.name.as_str()));
         let count = names.len();
         names.sort_unstable();
         names.dedup();

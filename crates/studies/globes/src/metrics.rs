@@ -5,11 +5,13 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared API, PART, SIZE_PX, VIEW;
+    BUMPS = "bumps", "how bumps are stored: as shares of normal, tangent and binormal, or as normals of object space";
     CELLS = "n", "cells a side, or vertices a turn";
     COUNTED_BY = "counted_by", "how the device counts the pixels of each node: by a histogram, or by queries";
     DELAY = "delay", "frames until counts are back on the CPU";
     FAULT = "fault", "what is done wrong on purpose";
     HEIGHTS = "heights", "where heights are looked up";
+    HOURS = "hours", "for which clouds have moved";
     HYSTERESIS = "hysteresis", "how many times the pixels at which a node merges it splits at; 1: at the same";
     KNOB = "knob", "what makes a surface finer";
     LAW = "law", "how vertices stand apart along a spiral";
@@ -262,10 +264,23 @@ terrafill_results::metrics! {
         "Process CPU time of the same frame without counts.",
     ).covering(Scope::FRAME);
     GLOBE_SHADE_PX = pixels("globe_shade_px", "Pixels that show a shaded surface.");
+    GLOBE_SHADE_TEXELS_MAX = Metric::error(
+        "globe_shade_texels_max",
+        "",
+        "A pixel's colour against the same texels, filtered alike and shaded in f64: the largest channel's difference, 1 being white, largest.",
+    );
+    GLOBE_SHADE_BEYOND_PX = Metric::error_px(
+        "globe_shade_beyond_px",
+        "Pixels whose colour differs from that by more than 8 bits between texels, rounding to bytes and corners within 1/256 px explain; at most 0.",
+    );
+    GLOBE_SHADE_CONTROL_PX = pixels(
+        "globe_shade_control_px",
+        "Pixels in which wrong layers are found: clouds and lights of night exchanged, clouds not moved, the sun on the other side; the least of the three.",
+    );
     GLOBE_SHADE_MAX = Metric::error(
         "globe_shade_max",
         "",
-        "A pixel's colour against the layers' functions in f64: the largest channel's difference, 1 being white, largest.",
+        "A pixel's colour against the layers as published, bicubic and shaded in f64: the largest channel's difference, 1 being white, largest.",
     );
     GLOBE_SHADE_P99 = Metric::error("globe_shade_p99", "", "The same, 99 % of the pixels.");
     GLOBE_SHADE_POLAR_MAX = Metric::error("globe_shade_polar_max", "", "The same within 5° of a pole, largest.");

@@ -85,10 +85,13 @@ impl Study for GlobesStudy {
         } else {
             skipped.push(no_kind(tiled::PART, tiled::KIND));
         }
-        if opened.has(shading::KIND) {
-            groups.push(Box::new(Shadings::planned(&list, sizes, is_quick, &opened)));
-        } else {
-            skipped.push(no_kind(shading::PART, shading::KIND));
+        match shading::layers(&opened, request.data_dir.as_deref()) {
+            Ok((layers, read)) => {
+                inputs.extend(read);
+                let shaded = Shadings::planned(&list, sizes, is_quick, layers, &opened);
+                groups.push(Box::new(shaded));
+            }
+            Err(reason) => skipped.push(left_out(shading::PART, reason)),
         }
         let (fields, without, of_heights) = height_fields(&opened, request.data_dir.as_deref());
         skipped.extend(without);

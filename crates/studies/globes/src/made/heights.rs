@@ -4,7 +4,7 @@
 //! A face has a sample on each of its corners and edges, so that neighbours share those and bilinear heights are
 //! continuous all over the body. Directions are those of scaled space, in which the body is a sphere.
 
-use crate::canvas::on_cube;
+use crate::canvas::{along_face, face_of, on_cube};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -35,30 +35,6 @@ pub(crate) struct OnFace {
     /// The cell that holds it, and where in it, 0 … 1.
     pub(crate) cell: [u32; 2],
     pub(crate) within: [f64; 2],
-}
-
-/// A direction's parts along a face's sides and out of it; `globes/spiral.wgsl` has the same.
-fn along_face(face: u32, d: DVec3) -> [f64; 3] {
-    match face {
-        0 => [-d.z, -d.y, d.x],
-        1 => [d.z, -d.y, -d.x],
-        2 => [d.x, d.z, d.y],
-        3 => [d.x, -d.z, -d.y],
-        4 => [d.x, -d.y, d.z],
-        _ => [-d.x, -d.y, -d.z],
-    }
-}
-
-fn face_of(d: DVec3) -> u32 {
-    let size = d.abs();
-    let (axis, value) = if size.x >= size.y && size.x >= size.z {
-        (0, d.x)
-    } else if size.y >= size.z {
-        (2, d.y)
-    } else {
-        (4, d.z)
-    };
-    axis + u32::from(value < 0.0)
 }
 
 impl HeightCube {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Layers on wgpu: pictures baked from the functions, and colours in `f32` so that what is not finite is seen.
+//! Layers on wgpu: their pictures as textures, and colours in `f32` so that what is not finite is seen.
 
-use super::layers::{Lights, base, bump, cloud, night};
-use crate::canvas::{self, Canvas, Stages, on_cube, texture, write_layers};
+use super::layers::Lights;
+use super::texels::{Pictures, Texels};
+use crate::canvas::{self, Canvas, Stages, texture, uniform, write_layers};
 use bytemuck::{Pod, Zeroable};
-use glam::DVec3;
-use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_gpu::Gpu;
@@ -52,93 +50,45 @@ impl LayerConstants {
 pub(crate) struct Shading {
     pub(crate) removed: u32,
     pub(crate) by_angles: bool,
+    /// Bumps are normals along ECEF axes, in place of shares of normal, tangent and binormal.
+    pub(crate) is_object_space: bool,
     pub(crate) fault: u32,
 }
 
-/// Pictures of the layers, both ways.
-pub(crate) struct Pictures {
-    cubes: Vec<wgpu::Texture>,
+/// Pictures of the layers on the device: cubes with bumps by tangents and with bent normals, and pictures by angles.
+pub(crate) struct LayerTextures {
+    cubes: [Vec<wgpu::Texture>; 2],
     maps: Vec<wgpu::Texture>,
 }
 
-/// Direction of a texel of a cube's face.
-fn face_direction(face: u32, at: [f64; 2]) -> DVec3 {
-    on_cube(face, at.map(|at| 2.0 * at - 1.0)).normalize()
-}
-
-fn map_direction([u, v]: [f64; 2]) -> DVec3 {
-    let (sin, cos) = (TAU * (u - 0.5)).sin_cos();
-    let (up, across) = (PI * (0.5 - v)).sin_cos();
-    DVec3::new(across * cos, across * sin, up)
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "a share of 255 after clamping"
-)]
-fn texel(layer: usize, direction: DVec3) -> [u8; 4] {
-    let values = match layer {
-        0 => base(direction),
-        1 => {
-            let [along, east, north] = bump(direction).map(|share| 0.5 * share + 0.5);
-            [along, east, north, 1.0]
-        }
-        2 => {
-            let white = cloud(direction);
-            [white, white, white, 1.0]
-        }
-        _ => {
-            let [r, g, b] = night(direction);
-            [r, g, b, 1.0]
-        }
-    };
-    values.map(|value| (255.0 * value.clamp(0.0, 1.0)).round() as u8)
-}
-
-/// Texels of a picture in rows.
-fn baked(
-    layer: usize,
-    [width, height]: [u32; 2],
-    direction: impl Fn([f64; 2]) -> DVec3 + Sync,
-) -> Vec<u8> {
-    let texels: Vec<[u8; 4]> = (0..width * height)
-        .into_par_iter()
-        .map(|at| {
-            let place = [
-                (f64::from(at % width) + 0.5) / f64::from(width),
-                (f64::from(at / width) + 0.5) / f64::from(height),
-            ];
-            texel(layer, direction(place))
-        })
-        .collect();
-    texels.into_flattened()
-}
-
-impl Pictures {
-    /// - `face`: texels along a side of a cube's face; pictures by angles have four times as many across, which is as
-    ///   dense along the equator
-    pub(crate) fn new(gpu: &Gpu, face: u32) -> Self {
-        let cubes = (0..LAYERS).map(|layer| {
-            let texels: Vec<u8> = (0..6)
-                .flat_map(|number| baked(layer, [face; 2], |at| face_direction(number, at)))
-                .collect();
-            filled(gpu, [face, face, 6], &texels)
-        });
-        let size = [4 * face, 2 * face];
-        let maps = (0..LAYERS).map(|layer| {
-            let texels = baked(layer, size, map_direction);
-            filled(gpu, [size[0], size[1], 1], &texels)
-        });
+impl LayerTextures {
+    pub(crate) fn new(gpu: &Gpu, pictures: &Pictures) -> Self {
+        let filled = |shading| {
+            let texels = pictures.read_by(shading).into_iter();
+            texels.map(|texels| filled(gpu, texels)).collect()
+        };
+        let base = Shading::default();
         Self {
-            cubes: cubes.collect(),
-            maps: maps.collect(),
+            cubes: [false, true].map(|is_object_space| {
+                filled(Shading {
+                    is_object_space,
+                    ..base
+                })
+            }),
+            maps: filled(Shading {
+                by_angles: true,
+                ..base
+            }),
         }
     }
 }
 
-fn filled(gpu: &Gpu, size: [u32; 3], texels: &[u8]) -> wgpu::Texture {
+fn filled(gpu: &Gpu, texels: &Texels) -> wgpu::Texture {
+    let [width, height] = texels.size;
+    let layers = if texels.is_cube { 6 } else { 1 };
+    let size = [width, height, layers];
     let texture = texture(gpu, "layer", size, wgpu::TextureFormat::Rgba8Unorm);
-    write_layers(gpu, &texture, 0, texels);
+    write_layers(gpu, &texture, 0, texels.texels.as_flattened());
     texture
 }
 
@@ -146,27 +96,24 @@ fn filled(gpu: &Gpu, size: [u32; 3], texels: &[u8]) -> wgpu::Texture {
 pub(crate) struct LayerTargets {
     canvas: Canvas,
     layout: wgpu::PipelineLayout,
-    bound: [wgpu::BindGroup; 2],
+    uniform: wgpu::BindGroupLayout,
+    /// Bumps by tangents, and bent normals.
+    pictures: [wgpu::BindGroup; 2],
 }
 
 /// A way to shade, and the vertices that it draws.
 pub(crate) struct LayerScene {
     pipeline: wgpu::RenderPipeline,
+    constants: wgpu::Buffer,
+    lights: wgpu::BindGroup,
+    is_object_space: bool,
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
 }
 
 impl LayerTargets {
-    pub(crate) fn new(
-        gpu: &Arc<Gpu>,
-        size: ImageSize,
-        pictures: &Pictures,
-        lights: &Lights,
-    ) -> Result<Self, DeviceError> {
-        let constants = LayerConstants::new(lights);
-        let bytes = bytemuck::bytes_of(&constants);
-        let constants = gpu.upload("layer constants", bytes, wgpu::BufferUsages::UNIFORM)?;
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, textures: &LayerTextures) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let uniform = gpu.buffer_layout("layers", fragment, &[wgpu::BufferBindingType::Uniform]);
         let picture = |view_dimension| wgpu::BindingType::Texture {
@@ -189,8 +136,7 @@ impl LayerTargets {
             let views = views.map(|texture| texture.create_view(&descriptor));
             views.collect::<Vec<_>>()
         };
-        let cubes = views(&pictures.cubes, wgpu::TextureViewDimension::Cube);
-        let maps = views(&pictures.maps, wgpu::TextureViewDimension::D2);
+        let maps = views(&textures.maps, wgpu::TextureViewDimension::D2);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("layers"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -198,18 +144,19 @@ impl LayerTargets {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let views = cubes.iter().chain(&maps);
-        let views = views.map(wgpu::BindingResource::TextureView);
-        let sampler = wgpu::BindingResource::Sampler(&sampler);
-        let bound_pictures = gpu.bind("layers", &pictures_layout, views.chain([sampler]));
-        Ok(Self {
+        let pictures = textures.cubes.each_ref().map(|cubes| {
+            let cubes = views(cubes, wgpu::TextureViewDimension::Cube);
+            let views = cubes.iter().chain(&maps);
+            let views = views.map(wgpu::BindingResource::TextureView);
+            let sampler = wgpu::BindingResource::Sampler(&sampler);
+            gpu.bind("layers", &pictures_layout, views.chain([sampler]))
+        });
+        Self {
             layout: gpu.pipeline_layout("layers", &[Some(&uniform), Some(&pictures_layout)]),
-            bound: [
-                gpu.bind_buffers("layers", &uniform, &[&constants]),
-                bound_pictures,
-            ],
+            uniform,
+            pictures,
             canvas: Canvas::new(gpu, size, TARGET),
-        })
+        }
     }
 
     pub(crate) fn scene(
@@ -223,6 +170,7 @@ impl LayerTargets {
         let constants = [
             ("REMOVED", f64::from(shading.removed)),
             ("BY_ANGLES", f64::from(u8::from(shading.by_angles))),
+            ("OBJECT_SPACE", f64::from(u8::from(shading.is_object_space))),
             ("FAULT", f64::from(shading.fault)),
         ];
         let attributes = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3, 2 => Float32x3];
@@ -234,8 +182,12 @@ impl LayerTargets {
         };
         let pipeline = self.canvas.pipeline("layers", &self.layout, &stages);
         let (vertices, indices) = (bytemuck::cast_slice(vertices), triangles.as_flattened());
+        let constants = uniform::<LayerConstants>(gpu, "layer constants");
         Ok(LayerScene {
             pipeline,
+            lights: gpu.bind_buffers("layers", &self.uniform, &[&constants]),
+            constants,
+            is_object_space: shading.is_object_space,
             vertices: gpu.upload("layer vertices", vertices, wgpu::BufferUsages::VERTEX)?,
             indices: gpu.upload(
                 "layer indices",
@@ -246,18 +198,26 @@ impl LayerTargets {
         })
     }
 
-    /// Sends the vertices anew.
-    pub(crate) fn send(&self, scene: &LayerScene, vertices: &[LayerVertex]) {
-        self.canvas
-            .gpu
-            .write_buffer(&scene.vertices, 0, bytemuck::cast_slice(vertices));
+    /// Sends the vertices anew, and where sun and clouds are; bytes that were sent.
+    pub(crate) fn send(
+        &self,
+        scene: &LayerScene,
+        lights: &Lights,
+        vertices: &[LayerVertex],
+    ) -> usize {
+        let constants = LayerConstants::new(lights);
+        let gpu = &self.canvas.gpu;
+        gpu.write_buffer(&scene.vertices, 0, bytemuck::cast_slice(vertices));
+        gpu.write_buffer(&scene.constants, 0, bytemuck::bytes_of(&constants));
+        size_of_val(vertices) + size_of_val(&constants)
     }
 
     pub(crate) fn draw(&self, scene: &LayerScene) -> Result<Option<f64>, DeviceError> {
         let mut encoder = self.canvas.frame();
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&scene.pipeline);
-            for (at, bound) in (0..).zip(&self.bound) {
+            let pictures = &self.pictures[usize::from(scene.is_object_space)];
+            for (at, bound) in (0..).zip([&scene.lights, pictures]) {
                 pass.set_bind_group(at, bound, &[]);
             }
             pass.set_vertex_buffer(0, scene.vertices.slice(..));
@@ -276,32 +236,6 @@ impl LayerTargets {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn faces_and_pictures_hold_the_directions_that_look_them_up() {
-        // Middles of faces, as WebGPU numbers them, and the corner that three share.
-        let axes = [
-            DVec3::X,
-            -DVec3::X,
-            DVec3::Y,
-            -DVec3::Y,
-            DVec3::Z,
-            -DVec3::Z,
-        ];
-        for (face, axis) in (0..).zip(axes) {
-            assert!((face_direction(face, [0.5; 2]) - axis).length() < 1e-12);
-        }
-        let corner = DVec3::ONE.normalize();
-        for (face, at) in [(0, [0.0, 0.0]), (2, [1.0, 1.0]), (4, [1.0, 0.0])] {
-            assert!(
-                (face_direction(face, at) - corner).length() < 1e-12,
-                "{face}"
-            );
-        }
-        assert!((map_direction([0.5, 0.5]) - DVec3::X).length() < 1e-12);
-        assert!((map_direction([0.75, 0.5]) - DVec3::Y).length() < 1e-12);
-        assert!((map_direction([0.1, 0.0]) - DVec3::Z).length() < 1e-12);
-    }
 
     #[test]
     fn constants_lie_as_the_shader_reads_them() {

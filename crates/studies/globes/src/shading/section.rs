@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The sections on layers: the ablation of features, pictures, faults, projections, and triangles against pixels.
+//! The sections on layers: views of the Earth, the ablation of features, faults, projections, and triangles against
+//! pixels.
 
-use super::{ALLOWED, FAULTS, PART, is_of, tessellation};
-use crate::clock::{compared_in, draw, whole};
+use super::{PART, is_of, tessellation};
+use crate::clock::{DRAW, compared_in, draw, whole};
 use crate::metrics::{self, *};
 use std::collections::BTreeMap;
 use terrafill_lab::{Answer, Cases, Column, Names, Section, Select, finding, measured};
@@ -24,41 +25,69 @@ pub(crate) const TABLE_3: [(&str, f64); 8] = [
     ("White", 1.974),
 ];
 
-const ERRORS: [Column; 5] = [
-    Column::metric("largest", GLOBE_SHADE_MAX),
-    Column::metric("99 %", GLOBE_SHADE_P99),
-    Column::metric("within 5° of a pole, largest", GLOBE_SHADE_POLAR_MAX).or(NO_PIXEL),
-    Column::metric("99 %", GLOBE_SHADE_POLAR_P99).or(NO_PIXEL),
-    Column::metric("not finite", GLOBE_NON_FINITE),
-];
 const NO_PIXEL: &str = "no pixel is there";
+const BEYOND: Column = Column::metric("px beyond 8 bits", GLOBE_SHADE_BEYOND_PX);
+const LOST: Column = Column::metric("not finite", GLOBE_NON_FINITE);
 
 pub(crate) const SECTIONS: [Section<'static>; 5] = [
     Section {
-        title: "Five layers",
-        text: "Colour with water, bumps, clouds and lights of night lie over the spiral, each in its own cube map or in \
-               a picture by longitude and latitude, as dense along the equator. They are baked from smooth functions of \
-               direction, and each pixel is held against these functions in f64, at the place that its ray meets: the \
-               largest channel's difference, 1 being white. A frame makes the mesh, sends it and draws it.",
+        title: "Five layers of the Earth",
+        text: "Colour with water, bumps, clouds and lights of night are NASA's pictures, by longitude and latitude. One \
+               preprocessing turns elevation into shares of normal, tangent and binormal, then all of them into cube maps \
+               by a bicubic filter; beside those stand pictures by angles, as dense along the equator, and bumps as \
+               normals of object space. Elevation is exaggerated 20 times, clouds go round in ten days. Each pixel is \
+               held to the same texels, filtered and shaded in f64, at the place that its ray meets: it may be off by \
+               what 8 bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must \
+               be found by that. The difference from the layers as published says what cubes and 8 bits cost.",
+        cases: Select::Fitting(|case| is_of(case, "layers") || is_of(case, "clouds")),
+        named_by: Names::Columns(&[
+            ("view", VIEW),
+            ("pictures", PICTURES),
+            ("bumps", BUMPS),
+            ("hours", HOURS),
+        ]),
+        columns: &[
+            BEYOND,
+            Column::metric("off the texels, largest", GLOBE_SHADE_TEXELS_MAX),
+            Column::metric("px with wrong layers found", GLOBE_SHADE_CONTROL_PX)
+                .or("wrong layers were not tried"),
+            Column::metric("px", GLOBE_SHADE_PX),
+            Column::metric("off the published layers, 99 %", GLOBE_SHADE_P99),
+            Column::metric("within 5° of a pole, 99 %", GLOBE_SHADE_POLAR_P99).or(NO_PIXEL),
+            Column::metric("largest", GLOBE_SHADE_POLAR_MAX).or(NO_PIXEL),
+            DRAW,
+        ],
+        findings: &[exact, poles, object_space],
+        ..Section::EMPTY
+    },
+    Section {
+        title: "Features of the shader",
+        text: "Features are removed one after the other. A frame makes the mesh, sends it and draws it.",
         cases: Select::Fitting(|case| is_of(case, "ladder")),
         findings: &[bumps_cost_most],
         more: &[ablation],
         ..Section::EMPTY
     },
     Section {
-        title: "Cube maps against pictures by angles",
-        cases: Select::Fitting(|case| is_of(case, "pictures")),
-        named_by: Names::Columns(&[("view", VIEW), ("pictures", PICTURES)]),
-        columns: &ERRORS,
-        findings: &[poles],
-        ..Section::EMPTY
-    },
-    Section {
         title: "Faults of the printed shader",
         cases: Select::Fitting(|case| is_of(case, "faults")),
         named_by: Names::Columns(&[("view", VIEW), ("fault", FAULT)]),
-        columns: &ERRORS,
-        findings: &[faults],
+        columns: &[
+            BEYOND,
+            Column::metric("off the texels, largest", GLOBE_SHADE_TEXELS_MAX),
+            LOST,
+        ],
+        findings: &[
+            |cases| fault(cases, "unclamped-power", "the power of a negative number"),
+            |cases| fault(cases, "polar-tangent", "a tangent of no length at a pole"),
+            |cases| {
+                fault(
+                    cases,
+                    "negated-night",
+                    "night by the negated light, as the text has it",
+                )
+            },
+        ],
         ..Section::EMPTY
     },
     tessellation::SECTION,
@@ -75,19 +104,15 @@ pub(crate) const SECTIONS: [Section<'static>; 5] = [
 
 /// What a picture shows, and in which view.
 fn shown(case: &Case) -> String {
-    let key: ConditionKey = match case.condition(WHAT) {
-        "projections" => PROJECTION,
-        "faults" => FAULT,
-        "pictures" => PICTURES,
-        _ => {
-            return format!(
-                "{} removed, {}",
-                case.condition(REMOVED),
-                case.condition(VIEW)
-            );
-        }
+    let of = |key: ConditionKey| case.condition(key);
+    let what = match of(WHAT) {
+        "projections" => of(PROJECTION).to_owned(),
+        "faults" => of(FAULT).to_owned(),
+        "layers" => format!("{} pictures, {} bumps", of(PICTURES), of(BUMPS)),
+        "clouds" => format!("clouds after {} hours", of(HOURS)),
+        _ => format!("{} removed", of(REMOVED)),
     };
-    format!("{}, {}", case.condition(key), case.condition(VIEW))
+    format!("{what}, {}", of(VIEW))
 }
 
 fn ablation(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
@@ -132,14 +157,14 @@ fn ablation(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
             Heading::plain("saved of the whole"),
             Heading::metric("draw, ms", draw),
             Heading::metric("frame, ms", whole),
-            Heading::metric("off the functions, 99 %", GLOBE_SHADE_P99),
+            Heading::metric("off the published layers, 99 %", GLOBE_SHADE_P99),
         ],
         ..Table::default()
     })))
 }
 
 /// The removal that is said to save most.
-const BUMPS: &str = "Bump mapping";
+const BUMP_MAPPING: &str = "Bump mapping";
 
 /// The whole frame with what one removal saves over the frame with what another saves, by process: so that a difference
 /// of savings is measured by what identical frames differ by.
@@ -165,8 +190,8 @@ fn bumps_cost_most(cases: &Cases<'_>) -> Finding {
     let removals: Vec<(&str, &[&Case], f64)> = removals
         .filter_map(|((name, _), pair)| Some((*name, pair, saved(pair)?)))
         .collect();
-    let bumps = removals.iter().find(|(name, ..)| *name == BUMPS);
-    let others = removals.iter().filter(|(name, ..)| *name != BUMPS);
+    let bumps = removals.iter().find(|(name, ..)| *name == BUMP_MAPPING);
+    let others = removals.iter().filter(|(name, ..)| *name != BUMP_MAPPING);
     let most = others.max_by(|a, b| a.2.total_cmp(&b.2));
     let claim = "Gebbie & Bailey: bump mapping costs most of the layers";
     let Some(((_, pair, ms), (other, other_pair, other_ms))) = bumps.zip(most) else {
@@ -196,19 +221,40 @@ fn bumps_cost_most(cases: &Cases<'_>) -> Finding {
     }
 }
 
-fn poles(cases: &Cases<'_>) -> Finding {
-    let polar = |pictures: &str| {
-        let own = cases.with(&[(VIEW, "globe-pole"), (PICTURES, pictures)]);
+/// Errors near the pole of one storage and of another.
+fn at_pole(cases: &Cases<'_>, storages: [[&str; 2]; 2]) -> Option<(f64, f64)> {
+    let polar = |[pictures, bumps]: [&str; 2]| {
+        let own = cases.with(&[(VIEW, "pole"), (PICTURES, pictures), (BUMPS, bumps)]);
         own.value(GLOBE_SHADE_POLAR_P99)
     };
-    let pair = polar("cube").zip(polar("angles"));
+    polar(storages[0]).zip(polar(storages[1]))
+}
+
+fn exact(cases: &Cases<'_>) -> Finding {
+    let beyond = cases.sum(GLOBE_SHADE_BEYOND_PX);
+    let pair = beyond.zip(cases.sum(GLOBE_SHADE_PX));
+    let controls = cases.least(GLOBE_SHADE_CONTROL_PX);
+    finding(
+        "Five layers on the device are the same texels, filtered and shaded in f64",
+        pair.map(|(beyond, _)| beyond == 0.0),
+        pair.map_or_else(String::new, |(beyond, of)| {
+            let found = controls.map_or_else(String::new, |least| {
+                format!(" Wrong layers are found in at least {least} pixels of a view.")
+            });
+            format!("{beyond} of {of} pixels are off by more than 8 bits explain.{found}")
+        }),
+    )
+}
+
+fn poles(cases: &Cases<'_>) -> Finding {
+    let pair = at_pole(cases, [["cube", "tangent"], ["angles", "tangent"]]);
     finding(
         "Gebbie & Bailey: cube maps mend what pictures by angles do at the poles",
         pair.map(|(cube, angles)| cube < angles),
         pair.map_or_else(String::new, |(cube, angles)| {
             format!(
-                "Within 5° of the pole 99 % of the pixels are off by at most {} with cube maps and {} with pictures by \
-                 angles. Bumps are stored along parallels, whose direction turns once round the pole in either.",
+                "Within 5° of the pole 99 % of the pixels are off the published layers by at most {} with cube maps and \
+                 {} with pictures by angles.",
                 significant(cube),
                 significant(angles)
             )
@@ -216,23 +262,34 @@ fn poles(cases: &Cases<'_>) -> Finding {
     )
 }
 
-fn faults(cases: &Cases<'_>) -> Finding {
-    let words = FAULTS.map(|(_, name)| {
-        let own = cases.with(&[(FAULT, name)]);
-        let lost = own.sum(GLOBE_NON_FINITE).unwrap_or(0.0);
-        let worst = own.greatest(GLOBE_SHADE_MAX);
-        let worst = worst.map(|worst| format!(", off by up to {}", significant(worst)));
-        format!(
-            "{name}: {lost} pixels not finite{}",
-            worst.unwrap_or_default()
-        )
-    });
-    let is_beyond = |metric, allowed| cases.greatest(metric).is_some_and(|found| found > allowed);
+fn object_space(cases: &Cases<'_>) -> Finding {
+    let pair = at_pole(cases, [["cube", "object"], ["cube", "tangent"]]);
     finding(
-        "The shader as printed is wrong here: an undeclared variable, a power of what is negative, a tangent of no \
-         length, night by the negated light",
-        Some(is_beyond(GLOBE_NON_FINITE, 0.0) || is_beyond(GLOBE_SHADE_MAX, ALLOWED)),
-        format!("The first does not compile. {}.", words.join("; ")),
+        "Bumps as normals of object space are nearer to the elevation at a pole than shares of tangents",
+        pair.map(|(object, tangent)| object < tangent),
+        pair.map_or_else(String::new, |(object, tangent)| {
+            format!(
+                "Within 5° of the pole 99 % of the pixels are off the published layers by at most {} with normals of \
+                 object space and {} with shares of tangents, whose direction turns once round the pole between texels.",
+                significant(object),
+                significant(tangent)
+            )
+        }),
+    )
+}
+
+/// Whether a fault of the printed shader is seen.
+fn fault(cases: &Cases<'_>, name: &str, words: &str) -> Finding {
+    let own = cases.with(&[(FAULT, name)]);
+    let pair = own
+        .sum(GLOBE_NON_FINITE)
+        .zip(own.sum(GLOBE_SHADE_BEYOND_PX));
+    finding(
+        format!("The shader as printed is wrong here by {words}"),
+        pair.map(|(lost, beyond)| lost + beyond > 0.0),
+        pair.map_or_else(String::new, |(lost, beyond)| {
+            format!("{lost} pixels are not finite, {beyond} are off by more than 8 bits explain.")
+        }),
     )
 }
 
@@ -251,7 +308,7 @@ mod tests {
         for (place, (name, _)) in TABLE_3.iter().enumerate() {
             ms -= match *name {
                 "Clouds" => 0.1,
-                BUMPS => 0.1 + more,
+                BUMP_MAPPING => 0.1 + more,
                 _ => 0.0,
             };
             let place_ = place.to_string();

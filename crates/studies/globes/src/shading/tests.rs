@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Layers on a device, and the judge without one.
+//! Layers on a device, and the judge without one; the layers are waves, so that no data is needed.
 
 use super::judge::ShadingErrors;
-use super::layers::colour;
+use super::layers::{Fragment, shade};
 use super::*;
 use crate::on_device::{figure, on_device, verdict};
-use terrafill_reference::SurfaceTriangles;
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
 use terrafill_study::Group as _;
@@ -13,12 +12,25 @@ use terrafill_surface::SurfaceKind;
 
 const KINDS: &[&dyn SurfaceKind] = &[&SpiralKind];
 
+fn shadings(side_px: u32) -> CaseGroup<Shadings> {
+    let list = List::shipped().expect("a list");
+    let opened = Rc::new(Opened::new(KINDS));
+    Shadings::planned(&list, (side_px, 1), true, synthetic::sources(), &opened)
+}
+
 #[test]
-fn layers_are_their_functions_and_the_printed_faults_show() {
+fn without_data_layers_are_missed_by_name() {
+    let opened = Opened::new(KINDS);
+    let missing = layers(&opened, None).expect_err("no data");
+    assert!(missing.contains("textures/color_blue_marble"), "{missing}");
+    let missing = layers(&Opened::new(&[]), None).expect_err("no surface");
+    assert!(missing.contains(KIND), "{missing}");
+}
+
+#[test]
+fn layers_are_their_texels_and_the_printed_faults_show() {
     on_device(terrafill_gpu::shared_gpu, |context| {
-        let list = List::shipped().expect("a list");
-        let opened = Rc::new(Opened::new(KINDS));
-        let shadings = Shadings::planned(&list, (120, 1), true, &opened);
+        let shadings = shadings(120);
         let mut session = shadings.open(context).expect("opens");
         for (case, work) in shadings.work.work.iter().enumerate() {
             let verdict = verdict(&mut *session, case, work);
@@ -29,9 +41,9 @@ fn layers_are_their_functions_and_the_printed_faults_show() {
                     assert!(session.time(case).is_ok());
                 }
                 // Negative control: night by the negated light is not night by the ramp.
-                3 => {
-                    let off = figure(&verdict, "globe_shade_max");
-                    assert!(off > 0.2, "{off}");
+                3 if work.view == "day" => {
+                    assert_eq!(verdict.status, Status::Wrong);
+                    assert!(figure(&verdict, "globe_shade_beyond_px") > 100.0);
                 }
                 _ => {}
             }
@@ -41,33 +53,108 @@ fn layers_are_their_functions_and_the_printed_faults_show() {
 
 #[test]
 fn a_lost_colour_is_counted_and_another_layer_is_seen() {
-    let list = List::shipped().expect("a list");
-    let opened = Rc::new(Opened::new(KINDS));
-    let shadings = Shadings::planned(&list, (40, 1), true, &opened);
-    let eye = shadings.work.eye(&shadings.work.work[0]).expect("the view");
-    let surface = opened.get(KIND, [("n", ABLATION_N)]).expect("a surface");
+    let shadings = shadings(64);
+    let work = &shadings.work;
+    let eye = work.eye(&work.work[0]).expect("the view");
+    let lights = work.lights(&work.work[0]).expect("the view");
+    let surface = work.opened.get(KIND, [("n", ABLATION_N)]);
+    let surface = surface.expect("a surface");
     let frame = surface.frame(&eye.camera, eye.size).expect("a frame");
-    let triangles = SurfaceTriangles::new(&frame);
-    let picture = |removed: u32| {
+    let pictures = Pictures::new(&work.sources, 64);
+    let triangles = terrafill_reference::SurfaceTriangles::new(&frame);
+    let picture = |lights: &Lights, shading: Shading| {
+        let sampled = Sampled {
+            pictures: &pictures,
+            shading,
+        };
         eye.by_pixel(|_, _, direction| {
             let Some((depth, _)) = triangles.hit_facet(direction, eye.camera.near_m) else {
                 return [0.0; 4];
             };
             let at = direction * depth;
-            let shown = colour(&lights(&eye), removed, normal(&eye, at), -at);
-            shown.extend(1.0).as_vec4().to_array()
+            let fragment = Fragment {
+                n: normal(&eye, at),
+                to_eye: -at,
+            };
+            let shade = shade(lights, shading, fragment, &sampled);
+            shade.colour.extend(1.0).as_vec4().to_array()
         })
     };
-    let right = judge(&eye, &frame, Shading::default(), &picture(0));
-    let worst = |found: &ShadingErrors| quantile(&found.all, 0.99).expect("pixels");
+    let met = Met::new(&eye, &frame);
+    let sampled = Sampled {
+        pictures: &pictures,
+        shading: Shading::default(),
+    };
+    let judged = |picture: &[[f32; 4]]| -> ShadingErrors {
+        judge(
+            &eye,
+            &met,
+            &lights,
+            (&sampled, &work.sources),
+            picture,
+            true,
+        )
+    };
+    let all = picture(&lights, Shading::default());
+    // Facets are flat, so that a ray's own normal is not quite the interpolated one.
+    let right = judged(&all);
     assert!(
-        worst(&right) < 0.02 && right.non_finite == 0,
-        "{}",
-        worst(&right)
+        right.beyond < right.shown / 20 && right.non_finite == 0,
+        "{right:?}"
     );
-    // Negative controls: without clouds, and with a colour that is no number.
-    assert!(worst(&judge(&eye, &frame, Shading::default(), &picture(1))) > ALLOWED);
-    let mut lost = picture(0);
-    lost[40 * 20 + 20][1] = f32::NAN;
-    assert_eq!(judge(&eye, &frame, Shading::default(), &lost).non_finite, 1);
+    assert!(
+        right
+            .controls
+            .is_some_and(|found| found.iter().all(|px| px * 10 > right.shown))
+    );
+    // Negative controls: without clouds, clouds that stood still, night and day exchanged, a colour that is no number.
+    let without = Shading {
+        removed: 1,
+        ..Shading::default()
+    };
+    let still = Lights {
+        clouds: glam::DMat3::IDENTITY,
+        ..lights
+    };
+    let night = Lights {
+        sun: -lights.sun,
+        ..lights
+    };
+    for wrong in [
+        picture(&lights, without),
+        picture(&still, Shading::default()),
+        picture(&night, Shading::default()),
+    ] {
+        assert!(judged(&wrong).beyond > right.shown / 4);
+    }
+    let mut lost = all;
+    lost[64 * 32 + 32][1] = f32::NAN;
+    let found = judged(&lost);
+    assert_eq!((found.non_finite, found.beyond), (1, right.beyond + 1));
+}
+
+#[test]
+fn the_earth_s_layers_are_right_from_all_sides_where_there_is_data() {
+    let opened = Rc::new(Opened::new(KINDS));
+    let data_dir = terrafill_scene::data_dir_from_env();
+    let sources = match layers(&opened, data_dir.as_deref()) {
+        Ok((sources, files)) => {
+            assert_eq!(files.len(), 5);
+            sources
+        }
+        Err(reason) => {
+            eprintln!("not checked: {reason}");
+            return;
+        }
+    };
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let list = List::shipped().expect("a list");
+        let shadings = Shadings::planned(&list, (160, 1), true, sources, &opened);
+        let mut session = shadings.open(context).expect("opens");
+        let work = shadings.work.work.iter().enumerate();
+        for (case, work) in work.filter(|(_, work)| work.what == "layers") {
+            let verdict = verdict(&mut *session, case, work);
+            assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
+        }
+    });
 }
