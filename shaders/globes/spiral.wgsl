@@ -1,47 +1,30 @@
 // The spiral made on the GPU (Gebbie and Bailey, with the focus-local form of position): one compute invocation makes a
 // vertex into a buffer, from nothing but its number; one vertex invocation reads it there, or makes it itself. Over
-// terrain it is moved up by a height that it looks up, which the paper leaves to the future. One
+// terrain it is moved up by a height that it looks up in a texture, which the paper leaves to the future. Or it is of
+// one buffer for all views, of sine, cosine and radius, which is what the paper draws. One
 // fragment writes the bits of its distance, so that two pictures can be held to each other exactly. Metres from the
 // eye, ECEF axes. Workgroups of 64, the least that all devices have.
 #import shared/view.wgsl
-
-struct SpiralConstants {
-    // Columns: the focus's east, north and up on the body, metres.
-    east: vec3<f32>,
-    inner: f32,
-    north: vec3<f32>,
-    outer: f32,
-    up: vec3<f32>,
-    turns: f32,
-    // The focus from the eye.
-    focus: vec3<f32>,
-    per_turn: u32,
-    count: u32,
-    // 0: radii grow by the same factor; 1: their roots by equal steps.
-    law: u32,
-};
-
-// 1: Taylor's series of ninth and tenth order for sine and cosine of the radius, and angles by a table's exactness: the
-// specification bounds native ones by 2^-11 alone.
-override SERIES: u32 = 0u;
+#import shared/spiral.wgsl
 
 @group(1) @binding(0) var<uniform> spiral: SpiralConstants;
 // Sine and cosine of each vertex of a turn.
 @group(1) @binding(1) var<storage, read> directions: array<vec2<f32>>;
-@group(1) @binding(4) var<storage, read_write> made: array<f32>;
+@group(1) @binding(4) var<storage, read> stored: array<f32>;
+@group(1) @binding(5) var<storage, read_write> made: array<f32>;
 
 const TAU: f32 = 6.2831853;
 
-fn sine(x: f32) -> f32 {
-    if SERIES == 0u {
-        return sin(x);
-    }
-    let s = x * x;
-    return x * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * (1.0 - s / 72.0))));
-}
+// 1: the compute shader reads stored vertices.
+override STORED: u32 = 0u;
 
 // From the focus to a vertex on the body.
 fn way(number: u32) -> vec3<f32> {
+    if STORED == 1u {
+        // As drawn: the vertex before the first is the centre.
+        let at = 3u * (spiral.first + number - 1u);
+        return stored_way(spiral, vec3<f32>(stored[at], stored[at + 1u], stored[at + 2u]));
+    }
     if number == 0u {
         return vec3<f32>(0.0);
     }
@@ -61,9 +44,7 @@ fn way(number: u32) -> vec3<f32> {
         let angle = TAU * f32(at) / f32(spiral.per_turn);
         direction = vec2<f32>(sin(angle), cos(angle));
     }
-    let half_sine = sine(0.5 * radius);
-    let level = spiral.east * direction.x + spiral.north * direction.y;
-    return level * sine(radius) - spiral.up * (2.0 * half_sine * half_sine);
+    return reached(spiral, direction, radius);
 }
 
 // Vertex 0 is the centre of the fan.
@@ -95,14 +76,14 @@ struct Relief {
 };
 
 @group(1) @binding(2) var<uniform> relief: Relief;
-@group(1) @binding(3) var<storage, read> heights: array<f32>;
+// A layer for each face.
+@group(1) @binding(3) var heights: texture_2d_array<f32>;
 
 // 1: heights and normals as differences from those below the eye.
 override LOCAL: u32 = 0u;
 
 fn height_at(face: u32, column: u32, row: u32) -> f32 {
-    let across = relief.side + 1u;
-    return heights[(face * across + row) * across + column];
+    return textureLoad(heights, vec2<u32>(column, row), face, 0).x;
 }
 
 // Parts of a direction along a face's sides and out of it; faces in WebGPU's order.
@@ -172,8 +153,8 @@ fn height_local(d: vec3<f32>) -> f32 {
     return height_absolute(relief.up + d, relief.base_m);
 }
 
-fn displaced(number: u32) -> vec3<f32> {
-    let on_body = way(number);
+// - `on_body`: from the focus
+fn displaced(on_body: vec3<f32>) -> vec3<f32> {
     let d = on_body * relief.per_metre;
     if LOCAL == 0u {
         let direction = relief.up + d;
@@ -210,7 +191,7 @@ fn make_main(@builtin(global_invocation_id) vertex: vec3<u32>) {
 @compute @workgroup_size(64)
 fn make_displaced_main(@builtin(global_invocation_id) vertex: vec3<u32>) {
     if vertex.x < spiral.count {
-        keep(vertex.x, displaced(vertex.x));
+        keep(vertex.x, displaced(way(vertex.x)));
     }
 }
 
@@ -227,7 +208,19 @@ fn making_main(@builtin(vertex_index) number: u32) -> Varying {
 
 @vertex
 fn making_displaced_main(@builtin(vertex_index) number: u32) -> Varying {
-    let relative_m = displaced(number);
+    let relative_m = displaced(way(number));
+    return Varying(clip_from_eye_relative(relative_m), relative_m);
+}
+
+@vertex
+fn stored_main(@location(0) vertex: vec3<f32>) -> Varying {
+    let relative_m = stored_way(spiral, vertex) + spiral.focus;
+    return Varying(clip_from_eye_relative(relative_m), relative_m);
+}
+
+@vertex
+fn stored_displaced_main(@location(0) vertex: vec3<f32>) -> Varying {
+    let relative_m = displaced(stored_way(spiral, vertex));
     return Varying(clip_from_eye_relative(relative_m), relative_m);
 }
 

@@ -3,10 +3,11 @@
 //! vertex stage from the vertex's number, with no buffer at all; beside them those that the CPU makes and sends. Over
 //! terrain each vertex is moved up by the height that it finds where it is, which the paper leaves to the future.
 
-mod device;
+pub(crate) mod device;
 mod heights;
 mod section;
-mod spiral;
+pub(crate) mod spiral;
+pub(crate) mod stored;
 
 pub(crate) use section::SECTION;
 
@@ -16,10 +17,10 @@ use crate::list::{Eye, List};
 use crate::metrics::{self, HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::opened::Opened;
 use crate::shading::KIND;
-use device::{MadeScene, MadeTargets};
+use device::{MadeScene, MadeTargets, Making};
 use glam::DVec3;
 use heights::HeightCube;
-use spiral::{Lookup, Source, Spiral};
+use spiral::{Law, Lookup, Source, Spiral};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,7 +63,7 @@ struct Work {
     view: &'static str,
     source: Source,
     has_series: bool,
-    is_quadratic: bool,
+    law: Law,
     /// Which of the height fields, and how it is read.
     terrain: Option<(usize, Lookup)>,
 }
@@ -118,16 +119,20 @@ impl MadeGlobes {
         let mut work = Vec::new();
         for view in VIEWS {
             for source in Source::ALL {
-                for is_quadratic in [false, true] {
-                    let trigonometry: &[bool] = match source {
-                        Source::Sent => &[false],
-                        Source::Compute | Source::Number => &[false, true],
+                for law in [Law::Exponential, Law::Quadratic, Law::Published] {
+                    let trigonometry: &[bool] = match (source, law) {
+                        // A radius that the shader makes is not rounded as a stored one, which the root magnifies.
+                        (Source::Compute | Source::Number, Law::Published)
+                        | (Source::Static, Law::Quadratic) => &[],
+                        (Source::Sent, _) => &[false],
+                        (Source::Static, _) => &[true],
+                        (Source::Compute | Source::Number, _) => &[false, true],
                     };
                     work.extend(trigonometry.iter().map(|&has_series| Work {
                         view,
                         source,
                         has_series,
-                        is_quadratic,
+                        law,
                         terrain: None,
                     }));
                 }
@@ -135,13 +140,14 @@ impl MadeGlobes {
                     // The CPU has f64 for both.
                     let lookups: &[Lookup] = match source {
                         Source::Sent => &[Lookup::Local],
+                        Source::Static => &[Lookup::Local],
                         Source::Compute | Source::Number => &[Lookup::Absolute, Lookup::Local],
                     };
                     work.extend(lookups.iter().map(|&lookup| Work {
                         view,
                         source,
                         has_series: source != Source::Sent,
-                        is_quadratic: false,
+                        law: Law::Exponential,
                         terrain: Some((field, lookup)),
                     }));
                 }
@@ -149,15 +155,11 @@ impl MadeGlobes {
         }
         let cases = work.iter().map(|work| {
             let trig = if work.has_series { "series" } else { "native" };
-            let law = if work.is_quadratic {
-                "quadratic"
-            } else {
-                "exponential"
-            };
+            let law = work.law.name();
             let terrain = work.terrain.map(|(field, lookup)| {
                 let lookup = match work.source {
                     Source::Sent => "f64",
-                    Source::Compute | Source::Number => lookup.name(),
+                    Source::Compute | Source::Number | Source::Static => lookup.name(),
                 };
                 (fields[field].name, lookup)
             });
@@ -211,7 +213,7 @@ impl MadeGlobes {
     }
 
     fn spiral(&self, eye: &Eye, work: &Work) -> Spiral {
-        Spiral::new(eye, N, work.is_quadratic, self.heights(work))
+        Spiral::new(eye, N, work.law, self.heights(work))
     }
 
     fn eye(&self, work: &Work) -> Result<Eye, String> {
@@ -252,22 +254,35 @@ impl Session for MadePart<'_> {
         let eye = self.group.eye(&work)?;
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
         let targets = &mut self.targets;
-        let targets = targets.get_or_insert_with(|| MadeTargets::new(&gpu, eye.size));
+        let targets = match targets {
+            Some(targets) => targets,
+            None => targets.insert(MadeTargets::new(&gpu, eye.size, N)?),
+        };
         let spiral = self.group.spiral(&eye, &work);
         let lookup = work.terrain.map(|(_, lookup)| lookup);
-        let mut scene = targets.scene(&spiral, (work.source, lookup), work.has_series)?;
+        let making = Making {
+            source: work.source,
+            lookup,
+            has_series: work.has_series,
+            is_stored: work.source == Source::Static,
+        };
+        let mut scene = targets.scene(&spiral, making)?;
         let sent = targets.send(&mut scene, &eye, &spiral);
+        let of_steady = targets.send(&mut scene, &eye, &spiral);
         targets.draw(&scene)?;
         let picture = targets.read()?;
         // What the compute shader made of the same view: the vertex stage is held to it.
-        let compute = (Source::Compute, lookup);
-        let mut twin = targets.scene(&spiral, compute, work.has_series)?;
+        let compute = Making {
+            source: Source::Compute,
+            ..making
+        };
+        let mut twin = targets.scene(&spiral, compute)?;
         targets.send(&mut twin, &eye, &spiral);
         targets.draw(&twin)?;
         let other = targets.read()?;
         let made = match work.source {
             Source::Sent => spiral.vertices(),
-            Source::Compute | Source::Number => targets.vertices(&twin)?,
+            Source::Compute | Source::Number | Source::Static => targets.vertices(&twin)?,
         };
         let (px, metres, lost) = against(&eye, &spiral, &made);
         let differs = picture.iter().zip(&other).filter(|(a, b)| a != b).count();
@@ -281,9 +296,15 @@ impl Session for MadePart<'_> {
                 significant(px)
             ));
         }
-        if work.source == Source::Number && differs > 0 {
+        let is_in_vertex_stage = matches!(work.source, Source::Number | Source::Static);
+        if is_in_vertex_stage && differs > 0 {
             reasons.push(format!(
                 "{differs} pixels differ from those of the vertices that the compute shader made, allowed 0"
+            ));
+        }
+        if of_steady > 0 {
+            reasons.push(format!(
+                "{of_steady} bytes are sent for a view that stands still, allowed 0"
             ));
         }
         self.ready.insert(case, scene);
@@ -295,7 +316,11 @@ impl Session for MadePart<'_> {
             ("globe_triangles", spiral.triangles().len() as f64),
             ("globe_vertices", f64::from(spiral.count())),
             ("globe_upload_bytes", sent as f64),
+            ("globe_steady_upload_bytes", of_steady as f64),
         ];
+        if work.source == Source::Static {
+            figures.push(("globe_stored_bytes", targets.stored_bytes() as f64));
+        }
         let heights = self.group.heights(&work);
         figures.extend(heights.map(|field| ("globe_height_bytes", field.bytes() as f64)));
         Ok(judged(reasons.join(", "), figures, Vec::new()))
@@ -307,6 +332,7 @@ impl Session for MadePart<'_> {
         let targets = self.targets.as_ref();
         let targets = targets.ok_or("it has no targets".to_owned())?;
         let scene = verified(&mut self.ready, case)?;
+        scene.forget();
         let mut watch = FrameWatch::start();
         let spiral = self.group.spiral(&eye, &work);
         targets.send(scene, &eye, &spiral);

@@ -31,7 +31,7 @@ terrafill_results::conditions! {
     TRANSFERS = "transfers", "tiles that a frame may send";
     TRIG = "trig", "where sines and cosines are taken";
     VALUE = "value", "of the knob";
-    VERTICES = "vertices", "where vertices come from: sent by the CPU, made by compute, or from their number";
+    VERTICES = "vertices", "where vertices come from: sent by the CPU, made by compute, from their number, or from one static buffer";
     WANTED = "wanted", "pixels that a triangle should have";
     WHAT = "what", "what is measured";
     "formula" = "a figure computed from parameters alone";
@@ -109,6 +109,14 @@ terrafill_results::metrics! {
     GLOBE_UPLOAD_BYTES = Metric::bytes(
         "globe_upload_bytes",
         "Bytes of vertices, indices and constants handed to the device for a frame.",
+    );
+    GLOBE_STEADY_UPLOAD_BYTES = Metric::bytes(
+        "globe_steady_upload_bytes",
+        "Bytes handed to the device for a frame whose eye stands still; at most 0.",
+    );
+    GLOBE_STORED_BYTES = Metric::bytes(
+        "globe_stored_bytes",
+        "Bytes of vertices and indices that the device keeps for all views.",
     );
     GLOBE_TRIANGLES = Metric::counter("globe_triangles", "Triangles of the view.");
     GLOBE_VERTICES = Metric::counter("globe_vertices", "Vertices of the view.");
@@ -272,6 +280,10 @@ terrafill_results::metrics! {
     GLOBE_SHADE_BEYOND_PX = Metric::error_px(
         "globe_shade_beyond_px",
         "Pixels whose colour differs from that by more than 8 bits between texels, rounding to bytes and corners within 1/256 px explain; at most 0.",
+    );
+    GLOBE_FORMULA_PX_MAX = Metric::error_px(
+        "globe_formula_px_max",
+        "How far from a pixel's centre the projection's formula, in f64, puts the place that its triangle shows, largest.",
     );
     GLOBE_SHADE_CONTROL_PX = pixels(
         "globe_shade_control_px",

@@ -6,75 +6,52 @@
 mod device;
 mod judge;
 mod layers;
+mod mesh;
 mod section;
 mod sources;
 #[cfg(test)]
 mod synthetic;
 mod tessellation;
 mod texels;
+mod way;
+mod work;
 
 pub(crate) use section::SECTIONS;
 #[cfg(test)]
 pub(crate) use section::TABLE_3;
 pub(crate) use sources::layers;
+pub(crate) use way::{KIND, PART};
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
 use crate::image::write_png;
-use crate::list::{Eye, List, ShadedRow};
-use crate::metrics::{self, BUMPS, CELLS, FAULT, HOURS, PICTURES, PROJECTION, SIZE_PX, VIEW, WHAT};
+use crate::list::{Eye, List};
+use crate::made::spiral::{Law, Spiral};
+use crate::metrics::{self, WHAT};
 use crate::opened::Opened;
 use crate::projection::Projection;
-use device::{LayerScene, LayerTargets, LayerTextures, LayerVertex, Shading};
-use glam::DVec3;
-use judge::{Met, bytes, is_lost, judge, normal};
+use crate::sight::fingerprint;
+use device::{LayerScene, LayerTargets, LayerTextures};
+use judge::{Met, bytes, judge};
 use layers::{Lights, Sampled};
+use mesh::{Mesh, vertices};
 use sources::Sources;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::rc::Rc;
-use terrafill_results::{Case, CaseId, PlannedCase, Verdict, quantile};
+use std::sync::Arc;
+use terrafill_results::{Case, PlannedCase, Status, Verdict, quantile};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
-use terrafill_surface::SurfaceFrame;
 use texels::Pictures;
-
-/// Name of this part in cases.
-pub(crate) const PART: &str = "shading";
-pub(crate) const KIND: &str = "spiral";
+use work::{ABLATION_N, Work, work};
 
 /// Texels along a side of a cube's face: as dense along the equator as the finest picture, 4,096 round it.
 const FACE: u32 = 1024;
 const QUICK_FACE: u32 = 256;
-/// Vertices of a turn of the ablation, and of the published numbers of triangles: 2,146, 4,294 and 17,058 in view
-/// `day`, within what whole turns allow.
-const ABLATION_N: u32 = 72;
-const TABLE_1_N: [u32; 3] = [47, 66, 132];
-const WINDOWS_PX: [u32; 3] = [600, 800, 1000];
-const REMOVED: u32 = 7;
-const VIEWS: [&str; 4] = ["day", "night-edge", "limb", "pole"];
-/// Hours after which the moving clouds are drawn, beside those of the view itself.
-const HOURS_LATER: [u32; 2] = [0, 48];
 /// Share of a picture's pixels that wrong layers must be found in.
 const CONTROL_SHARE: f64 = 0.01;
-
-/// The shader's faults as printed.
-const FAULTS: [(u32, &str); 3] = [
-    (1, "unclamped-power"),
-    (2, "polar-tangent"),
-    (3, "negated-night"),
-];
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Work {
-    view: &'static str,
-    size_px: u32,
-    n: u32,
-    shading: Shading,
-    projection: Projection,
-    /// For which clouds have moved; that of the view if none.
-    hours: Option<u32>,
-    /// What it is for.
-    what: &'static str,
-}
+/// Note with the hash of a picture.
+const PIXELS: &str = "pixels";
 
 /// All work on shading, as one group of cases.
 pub(crate) struct Shadings {
@@ -85,130 +62,9 @@ pub(crate) struct Shadings {
     sources: Sources,
 }
 
-/// Ways to store bumps and pictures, one change from the first.
-fn storages() -> [Shading; 3] {
-    let cube = Shading::default();
-    let object = Shading {
-        is_object_space: true,
-        ..cube
-    };
-    let angles = Shading {
-        by_angles: true,
-        ..cube
-    };
-    [cube, object, angles]
-}
-
-fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
-    let base = Work {
-        view: VIEWS[0],
-        size_px: side_px,
-        n: ABLATION_N,
-        shading: Shading::default(),
-        projection: Projection::Globe,
-        hours: None,
-        what: "ladder",
-    };
-    let without = |removed| Shading {
-        removed,
-        ..base.shading
-    };
-    let mut all = Vec::new();
-    for view in VIEWS {
-        all.extend(storages().map(|shading| Work {
-            view,
-            shading,
-            what: "layers",
-            ..base
-        }));
-    }
-    all.extend(HOURS_LATER.map(|hours| Work {
-        hours: Some(hours),
-        what: "clouds",
-        ..base
-    }));
-    all.extend((0..=REMOVED).map(|removed| Work {
-        shading: without(removed),
-        ..base
-    }));
-    for view in ["day", "pole"] {
-        all.extend(FAULTS.map(|(fault, _)| Work {
-            view,
-            shading: Shading {
-                fault,
-                ..base.shading
-            },
-            what: "faults",
-            ..base
-        }));
-    }
-    all.extend(Projection::ALL.iter().skip(1).map(|&projection| Work {
-        projection,
-        what: "projections",
-        ..base
-    }));
-    let windows = if is_quick { 1 } else { WINDOWS_PX.len() };
-    for &size_px in &WINDOWS_PX[..windows] {
-        for n in TABLE_1_N {
-            all.extend([0, REMOVED].map(|removed| Work {
-                size_px,
-                n,
-                shading: without(removed),
-                what: "tessellation",
-                ..base
-            }));
-        }
-    }
-    all
-}
-
 /// - `what`: its condition of that name
 fn is_of(case: &Case, what: &str) -> bool {
     case.condition(metrics::PART) == PART && case.condition(WHAT) == what
-}
-
-fn fault_name(fault: u32) -> &'static str {
-    let mut faults = FAULTS.iter();
-    faults
-        .find(|(number, _)| *number == fault)
-        .map_or("none", |(_, name)| name)
-}
-
-impl Work {
-    fn id(&self, view: Option<&ShadedRow>) -> CaseId {
-        let Self { shading, .. } = self;
-        let pictures = if shading.by_angles { "angles" } else { "cube" };
-        let bumps = if shading.is_object_space {
-            "object"
-        } else {
-            "tangent"
-        };
-        let hours = self.hours.or(view.map(|view| view.hours)).unwrap_or(0);
-        let fault = fault_name(shading.fault);
-        let conditions = [
-            (metrics::PART, PART.to_owned()),
-            (WHAT, self.what.to_owned()),
-            (VIEW, self.view.to_owned()),
-            (CELLS, self.n.to_string()),
-            (metrics::REMOVED, shading.removed.to_string()),
-            (PICTURES, pictures.to_owned()),
-            (BUMPS, bumps.to_owned()),
-            (FAULT, fault.to_owned()),
-            (PROJECTION, self.projection.name().to_owned()),
-            (HOURS, hours.to_string()),
-            (SIZE_PX, self.size_px.to_string()),
-        ];
-        let name = format!(
-            "{PART}/{}/{}/n={}/removed={}/{pictures}/{bumps}/{fault}/{}/hours={hours}/{}",
-            self.what,
-            self.view,
-            self.n,
-            shading.removed,
-            self.projection.name(),
-            self.size_px
-        );
-        CaseId::new(STUDY, name, conditions)
-    }
 }
 
 impl Shadings {
@@ -260,8 +116,8 @@ impl Shadings {
     }
 }
 
-/// A view, pixels a side and vertices a turn: what the triangles that rays meet depend on.
-type MetBy = (&'static str, u32, u32);
+/// A view, pixels a side, vertices a turn, whether they are stored, and the projection: what triangles depend on.
+type MetBy = (&'static str, u32, u32, bool, Projection);
 
 struct ShadingPart<'a> {
     group: &'a Shadings,
@@ -276,38 +132,37 @@ struct ShadingPart<'a> {
     ready: BTreeMap<usize, LayerScene>,
 }
 
-fn vertices(eye: &Eye, frame: &SurfaceFrame, projection: Projection) -> Vec<LayerVertex> {
-    let places = frame.vertices_rte.iter();
-    places
-        .map(|vertex| {
-            let relative_m = DVec3::from(vertex.map(f64::from));
-            LayerVertex {
-                clip: projection.clip(eye, relative_m).as_vec4().to_array(),
-                to_eye: (-relative_m).as_vec3().to_array(),
-                normal: normal(eye, relative_m).as_vec3().to_array(),
-            }
-        })
-        .collect()
-}
-
 impl ShadingPart<'_> {
-    fn frame(&self, work: &Work, eye: &Eye) -> Result<SurfaceFrame, String> {
+    fn mesh(&self, work: &Work, eye: &Eye) -> Result<Mesh, String> {
+        if work.is_stored {
+            return Ok(Mesh::Stored(Spiral::new(eye, work.n, Law::Published, None)));
+        }
         let surface = self.group.opened.get(KIND, [("n", work.n)])?;
         let frame = surface.frame(&eye.camera, eye.size);
-        frame.map_err(|error| error.to_string())
+        let frame = frame.map_err(|error| error.to_string())?;
+        let vertices = vertices(eye, &frame);
+        Ok(Mesh::Sent(frame, vertices))
     }
 
-    /// Why a globe's picture is wrong, and its figures.
-    fn of_globe(
-        &mut self,
-        work: &Work,
-        (eye, lights): (&Eye, &Lights),
-        frame: &SurfaceFrame,
-        (lost, picture): (usize, &[[f32; 4]]),
-    ) -> (String, Figures) {
-        let by = (work.view, work.size_px, work.n);
+    /// Why a picture is wrong, and its figures.
+    fn judged(&mut self, work: &Work, drawn: &Drawn) -> (String, Figures) {
+        let Drawn {
+            eye,
+            lights,
+            mesh,
+            picture,
+            ..
+        } = drawn;
+        let lost = mesh.lost();
+        let by = (
+            work.view,
+            work.size_px,
+            work.n,
+            work.is_stored,
+            work.projection,
+        );
         if self.met.as_ref().is_none_or(|(known, _)| *known != by) {
-            self.met = Some((by, Met::new(eye, frame)));
+            self.met = Some((by, mesh.met(eye, work.projection)));
         }
         let (Some((_, met)), Some((pictures, _))) = (&self.met, &self.pictures) else {
             return ("no layers were made".to_owned(), Figures::new());
@@ -334,6 +189,13 @@ impl ShadingPart<'_> {
         add("globe_shade_p99", &found.all, 0.99);
         add("globe_shade_polar_max", &found.polar, 1.0);
         add("globe_shade_polar_p99", &found.polar, 0.99);
+        if work.is_stored {
+            add(
+                "globe_formula_px_max",
+                &met.off_formula(eye, work.projection),
+                1.0,
+            );
+        }
         let least = found.controls.map(|controls| {
             let least = controls.into_iter().min().unwrap_or(0);
             figures.push(("globe_shade_control_px", least as f64));
@@ -366,78 +228,111 @@ impl ShadingPart<'_> {
     }
 }
 
-impl Session for ShadingPart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+/// A frame, drawn and read back.
+struct Drawn {
+    eye: Eye,
+    lights: Lights,
+    mesh: Mesh,
+    triangles: Arc<[[u32; 3]]>,
+    sent: usize,
+    picture: Vec<[f32; 4]>,
+}
+
+impl Drawn {
+    /// Of the picture's bytes, for the note that later processes are held to.
+    fn hash(&self) -> String {
+        format!(
+            "{:016x}",
+            fingerprint(&[bytemuck::cast_slice(&self.picture)])
+        )
+    }
+}
+
+impl ShadingPart<'_> {
+    fn drawn(&mut self, case: usize) -> Result<Drawn, Failure> {
         let work = self.group.work[case];
         let (eye, lights) = (self.group.eye(&work)?, self.group.lights(&work)?);
+        let mesh = self.mesh(&work, &eye)?;
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
         let (_, textures) = self.pictures.get_or_insert_with(|| {
             let pictures = Pictures::new(&self.group.sources, self.group.face);
             let textures = LayerTextures::new(&gpu, &pictures);
             (pictures, textures)
         });
-        let targets = self.targets.entry(work.size_px);
-        let targets = targets.or_insert_with(|| LayerTargets::new(&gpu, eye.size, textures));
-        let surface = self.group.opened.get(KIND, [("n", work.n)])?;
-        let frame = surface.frame(&eye.camera, eye.size);
-        let frame = frame.map_err(|error| error.to_string())?;
-        let vertices = vertices(&eye, &frame, work.projection);
-        let places = vertices.iter().flat_map(|vertex| vertex.clip);
-        let lost = places.filter(|at| !at.is_finite()).count();
-        let scene = targets.scene(work.shading, &vertices, &frame.triangles)?;
-        let sent = targets.send(&scene, &lights, &vertices);
+        let targets = match self.targets.entry(work.size_px) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                new.insert(LayerTargets::new(&gpu, eye.size, textures, ABLATION_N)?)
+            }
+        };
+        let triangles = mesh.triangles();
+        let way = (work.shading, work.projection);
+        let mut scene = targets.scene(way, mesh.geometry(), &triangles)?;
+        let sent = targets.send(&mut scene, (&eye, &lights), mesh.geometry());
         targets.draw(&scene)?;
         let picture = targets.read()?;
         self.ready.insert(case, scene);
-        let (reason, mut figures) = match work.projection {
-            Projection::Globe => self.of_globe(&work, (&eye, &lights), &frame, (lost, &picture)),
-            _ => of_other(lost, &picture),
-        };
-        figures.push(("globe_triangles", frame.triangles.len() as f64));
-        figures.push(("globe_upload_bytes", sent as f64));
-        let mut notes = Vec::new();
+        Ok(Drawn {
+            eye,
+            lights,
+            mesh,
+            triangles,
+            sent,
+            picture,
+        })
+    }
+}
+
+impl Session for ShadingPart<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+        let work = self.group.work[case];
+        let drawn = self.drawn(case)?;
+        let (reason, mut figures) = self.judged(&work, &drawn);
+        figures.push(("globe_triangles", drawn.triangles.len() as f64));
+        figures.push(("globe_upload_bytes", drawn.sent as f64));
+        let mut notes = vec![(PIXELS, drawn.hash())];
         if work.what != "tessellation" {
             let name = self.cases[case].id.key().replace(['/', '='], "-");
             let size = [work.size_px; 2];
-            let pixels = picture.iter().map(|colour| bytes(*colour));
+            let pixels = drawn.picture.iter().map(|colour| bytes(*colour));
             let path = write_png(self.context.folder, &name, size, pixels)?;
             notes.push(("picture", path));
         }
         Ok(judged(reason, figures, notes))
     }
 
-    /// A frame as the paper's: the mesh is sent anew.
+    fn recheck(
+        &mut self,
+        case: usize,
+        status: Status,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, Failure> {
+        let hash = self.drawn(case)?.hash();
+        if notes.get(PIXELS) != Some(&hash) {
+            let reason = "it draws other pixels than in the process that verified it";
+            return Err(Failure::broken(reason));
+        }
+        Ok(Verdict {
+            status,
+            ..Verdict::default()
+        })
+    }
+
+    /// A frame as the paper's measurements have it: a mesh that is not stored is made and sent anew.
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let work = self.group.work[case];
         let (eye, lights) = (self.group.eye(&work)?, self.group.lights(&work)?);
         let mut watch = FrameWatch::start();
-        let frame = self.frame(&work, &eye)?;
-        let vertices = vertices(&eye, &frame, work.projection);
+        let mesh = self.mesh(&work, &eye)?;
         watch.ends("globe_make_cpu_ms");
         let targets = self.targets.get(&work.size_px);
         let targets = targets.ok_or("it has no targets".to_owned())?;
         let scene = verified(&mut self.ready, case)?;
-        targets.send(scene, &lights, &vertices);
+        targets.send(scene, (&eye, &lights), mesh.geometry());
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(scene)?;
         Ok(watch.drawn(gpu_ms))
     }
-}
-
-/// Why a picture of another projection is wrong, whose colours no ray says, and its figures.
-fn of_other(lost: usize, picture: &[[f32; 4]]) -> (String, Figures) {
-    let non_finite = lost + picture.iter().filter(|colour| is_lost(colour)).count();
-    let shown = picture.iter().filter(|colour| colour[3] != 0.0).count();
-    let figures = vec![
-        ("globe_shade_px", shown as f64),
-        ("globe_non_finite", non_finite as f64),
-    ];
-    let reason = match (non_finite, shown) {
-        (0, 0) => "it shows nothing".to_owned(),
-        (0, _) => String::new(),
-        (lost, _) => format!("{lost} pixels or vertices are not finite, allowed 0"),
-    };
-    (reason, figures)
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The spiral on wgpu, its vertices from wherever they come.
 
-use super::spiral::{Lookup, Relief, Source, Spiral};
-use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
+use super::spiral::{Law, Lookup, Relief, Source, Spiral};
+use super::stored::{DrawnRange, StoredSpiral};
+use crate::canvas::{
+    Canvas, Stages, texture, uniform, vertices, view_constants, write_layers, written,
+};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
@@ -15,11 +18,12 @@ use terrafill_scene::ImageSize;
 const TARGET: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Bytes of a vertex.
 const VERTEX_BYTES: u64 = 12;
+const FACES: u32 = 6;
 
-/// Twin of `SpiralConstants` in `globes/spiral.wgsl`.
+/// Twin of `SpiralConstants` in `shared/spiral.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct SpiralConstants {
+pub(crate) struct SpiralConstants {
     east: [f32; 3],
     inner: f32,
     north: [f32; 3],
@@ -30,11 +34,12 @@ struct SpiralConstants {
     per_turn: u32,
     count: u32,
     law: u32,
-    padding: [u32; 2],
+    first: u32,
+    padding: u32,
 }
 
 impl SpiralConstants {
-    fn new(spiral: &Spiral) -> Self {
+    pub(crate) fn new(spiral: &Spiral) -> Self {
         let [east, north, up] = spiral.axes.map(|axis| axis.as_vec3().to_array());
         Self {
             east,
@@ -46,8 +51,13 @@ impl SpiralConstants {
             focus: spiral.focus.as_vec3().to_array(),
             per_turn: spiral.per_turn,
             count: spiral.count(),
-            law: u32::from(spiral.is_quadratic),
-            padding: [0; 2],
+            law: match spiral.law {
+                Law::Exponential => 0,
+                Law::Quadratic => 1,
+                Law::Published => 2,
+            },
+            first: spiral.first,
+            padding: 0,
         }
     }
 }
@@ -95,8 +105,21 @@ impl ReliefConstants {
 pub(crate) struct MadeTargets {
     canvas: Canvas,
     view_layout: wgpu::BindGroupLayout,
-    /// Constants, directions and terrain, and for the compute shader the buffer that it writes.
+    /// Constants, directions, terrain and stored vertices, and for the compute shader the buffer that it writes.
     layouts: [wgpu::BindGroupLayout; 2],
+    stored: StoredSpiral,
+    /// Its vertices and indices.
+    stored_buffers: [wgpu::Buffer; 2],
+}
+
+/// How vertices are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Making {
+    pub(crate) source: Source,
+    pub(crate) lookup: Option<Lookup>,
+    pub(crate) has_series: bool,
+    /// From those that are stored: always by the source of that name, and by the compute shader that it is held to.
+    pub(crate) is_stored: bool,
 }
 
 /// A spiral, ready to draw.
@@ -113,30 +136,63 @@ pub(crate) struct MadeScene {
     indices: wgpu::Buffer,
     index_count: u32,
     vertex_count: u32,
+    /// Of the stored buffers, where they are drawn.
+    range: Option<DrawnRange>,
+    /// Constants as the device has them.
+    sent: Vec<u8>,
+}
+
+impl MadeScene {
+    /// What the device has is of no use to the next frame: its eye has moved.
+    pub(crate) fn forget(&mut self) {
+        self.sent.clear();
+    }
 }
 
 impl MadeTargets {
-    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Self {
+    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, per_turn: u32) -> Result<Self, DeviceError> {
         let uniform = wgpu::BufferBindingType::Uniform;
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let buffer = |ty| wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let storage = |read_only| buffer(wgpu::BufferBindingType::Storage { read_only });
+        let heights = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2Array,
+            multisampled: false,
+        };
         let (vertex, compute) = (wgpu::ShaderStages::VERTEX, wgpu::ShaderStages::COMPUTE);
-        let read = [uniform, storage(true), uniform, storage(true)];
-        Self {
+        let read = [
+            buffer(uniform),
+            storage(true),
+            buffer(uniform),
+            heights,
+            storage(true),
+        ];
+        let all = [&read[..], &[storage(false)]].concat();
+        let stored = StoredSpiral::new(per_turn);
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE;
+        let bytes = bytemuck::cast_slice(&stored.vertices);
+        let stored_vertices = gpu.upload("stored spiral", bytes, usage)?;
+        let bytes = bytemuck::cast_slice(&stored.indices);
+        let usage = wgpu::BufferUsages::INDEX;
+        let stored_indices = gpu.upload("triangles of the stored spiral", bytes, usage)?;
+        Ok(Self {
             view_layout: gpu.buffer_layout("view", vertex, &[uniform]),
             layouts: [
-                gpu.buffer_layout("spiral", vertex, &read),
-                gpu.buffer_layout("spiral", compute, &[&read[..], &[storage(false)]].concat()),
+                gpu.mixed_layout("spiral", read.map(|ty| (vertex, ty))),
+                gpu.mixed_layout("spiral", all.into_iter().map(|ty| (compute, ty))),
             ],
+            stored,
+            stored_buffers: [stored_vertices, stored_indices],
             canvas: Canvas::new(gpu, size, TARGET),
-        }
+        })
     }
 
-    pub(crate) fn scene(
-        &self,
-        spiral: &Spiral,
-        (source, lookup): (Source, Option<Lookup>),
-        has_series: bool,
-    ) -> Result<MadeScene, DeviceError> {
+    pub(crate) fn scene(&self, spiral: &Spiral, making: Making) -> Result<MadeScene, DeviceError> {
+        let Making { source, lookup, .. } = making;
         let gpu = &self.canvas.gpu;
         let view = uniform::<ViewConstants>(gpu, "view constants");
         let constants = uniform::<SpiralConstants>(gpu, "spiral");
@@ -155,20 +211,38 @@ impl MadeTargets {
         let index_buffer =
             gpu.upload("triangles of the spiral", bytes, wgpu::BufferUsages::INDEX)?;
         let relief = uniform::<ReliefConstants>(gpu, "relief");
-        let samples = spiral.relief.as_ref();
-        let samples = samples.map_or(&[0.0][..], |relief| &relief.heights.samples);
-        let samples = bytemuck::cast_slice(samples);
-        let heights = gpu.upload("heights", samples, wgpu::BufferUsages::STORAGE)?;
+        let field = spiral.relief.as_ref().map(|relief| &relief.heights);
+        let across = field.map_or(1, |heights| heights.side + 1);
+        let format = wgpu::TextureFormat::R32Float;
+        let heights = texture(gpu, "heights", [across, across, FACES], format);
+        if let Some(field) = field {
+            write_layers(gpu, &heights, 0, bytemuck::cast_slice(&field.samples));
+        }
+        let heights = heights.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
         let [read, made] = &self.layouts;
-        let buffers = [&constants, &directions, &relief, &heights, &made_vertices];
+        let [stored_vertices, stored_indices] = &self.stored_buffers;
+        let resources = || {
+            [
+                constants.as_entire_binding(),
+                directions.as_entire_binding(),
+                relief.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&heights),
+                stored_vertices.as_entire_binding(),
+            ]
+        };
+        let written = [made_vertices.as_entire_binding()];
         let bound = [
-            gpu.bind_buffers("spiral", read, &buffers[..4]),
-            gpu.bind_buffers("spiral", made, &buffers),
+            gpu.bind("spiral", read, resources()),
+            gpu.bind("spiral", made, resources().into_iter().chain(written)),
         ];
         let module = gpu.shader("globes/spiral.wgsl")?;
         let flag = |is_set| f64::from(u8::from(is_set));
         let overrides = [
-            ("SERIES", flag(has_series)),
+            ("SERIES", flag(making.has_series)),
+            ("STORED", flag(making.is_stored)),
             ("LOCAL", flag(lookup == Some(Lookup::Local))),
         ];
         let compute = (source == Source::Compute).then(|| {
@@ -187,6 +261,10 @@ impl MadeTargets {
                 ("making_displaced_main", &buffer[..0], &groups[..])
             }
             Source::Number => ("making_main", &buffer[..0], &groups[..]),
+            Source::Static if lookup.is_some() => {
+                ("stored_displaced_main", &buffer[..], &groups[..])
+            }
+            Source::Static => ("stored_main", &buffer[..], &groups[..]),
             Source::Sent | Source::Compute => ("read_main", &buffer[..], &groups[..1]),
         };
         let layout = gpu.pipeline_layout("spiral", groups);
@@ -206,21 +284,36 @@ impl MadeTargets {
             constants,
             relief,
             bound,
-            vertices: made_vertices,
+            vertices: match source {
+                Source::Static => stored_vertices.clone(),
+                Source::Sent | Source::Compute | Source::Number => made_vertices,
+            },
             index_count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
-            indices: index_buffer,
+            indices: match source {
+                Source::Static => stored_indices.clone(),
+                Source::Sent | Source::Compute | Source::Number => index_buffer,
+            },
             vertex_count: spiral.count(),
+            range: None,
+            sent: Vec::new(),
         })
     }
 
-    /// Hands a view to the device; bytes that were sent.
+    /// Bytes of the stored buffers.
+    pub(crate) fn stored_bytes(&self) -> u64 {
+        self.stored.bytes()
+    }
+
+    /// Hands a view to the device, but for what it has already; bytes that were sent.
     pub(crate) fn send(&self, scene: &mut MadeScene, eye: &Eye, spiral: &Spiral) -> u64 {
         let view = view_constants(eye);
         let constants = SpiralConstants::new(spiral);
         let vertices = match scene.source {
             Source::Sent => spiral.vertices(),
-            Source::Compute | Source::Number => Vec::new(),
+            Source::Compute | Source::Number | Source::Static => Vec::new(),
         };
+        let is_stored = scene.source == Source::Static;
+        scene.range = is_stored.then(|| self.stored.range(spiral));
         let relief = spiral.relief.as_ref();
         let relief = relief.filter(|_| scene.source != Source::Sent);
         let relief = relief.map(|relief| ReliefConstants::new(spiral, relief));
@@ -230,10 +323,15 @@ impl MadeTargets {
             (&scene.relief, bytemuck::cast_slice(relief.as_slice())),
             (&scene.vertices, bytemuck::cast_slice(&vertices)),
         ];
+        let sent = all.map(|(_, bytes)| bytes).concat();
+        if sent == scene.sent {
+            return 0;
+        }
         for (buffer, bytes) in all.iter().filter(|(_, bytes)| !bytes.is_empty()) {
             self.canvas.gpu.write_buffer(buffer, 0, bytes);
         }
-        all.iter().map(|(_, bytes)| bytes.len() as u64).sum()
+        scene.sent = sent;
+        scene.sent.len() as u64
     }
 
     pub(crate) fn draw(&self, scene: &MadeScene) -> Result<Option<f64>, DeviceError> {
@@ -252,9 +350,19 @@ impl MadeTargets {
                 Source::Sent | Source::Compute => {
                     pass.set_vertex_buffer(0, scene.vertices.slice(..));
                 }
+                Source::Static => {
+                    pass.set_bind_group(1, &scene.bound[0], &[]);
+                    pass.set_vertex_buffer(0, scene.vertices.slice(..));
+                }
             }
             pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..scene.index_count, 0, 0..1);
+            match &scene.range {
+                Some(range) => {
+                    pass.draw_indexed(range.fan.clone(), range.base_vertex, 0..1);
+                    pass.draw_indexed(range.turns.clone(), 0, 0..1);
+                }
+                None => pass.draw_indexed(0..scene.index_count, 0, 0..1),
+            }
         });
         self.canvas.finish(encoder)
     }
@@ -285,7 +393,7 @@ mod tests {
         let layout = terrafill_shaders::struct_layout("globes/spiral.wgsl", "SpiralConstants");
         let layout = layout.expect("a struct");
         let offsets: Vec<u32> = layout.members.iter().map(|member| member.1).collect();
-        assert_eq!(offsets, [0, 12, 16, 28, 32, 44, 48, 60, 64, 68]);
+        assert_eq!(offsets, [0, 12, 16, 28, 32, 44, 48, 60, 64, 68, 72]);
         assert_eq!(layout.stride as usize, size_of::<SpiralConstants>());
         let layout = terrafill_shaders::struct_layout("globes/spiral.wgsl", "Relief");
         let layout = layout.expect("a struct");

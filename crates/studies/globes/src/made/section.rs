@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The section on vertices made on the GPU.
+//! The section on vertices made on the GPU, and on the paper's static buffer.
 
 use super::{ALLOWED_PX, PART};
-use crate::clock::{DRAW, FRAME};
+use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::{self, *};
-use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
+use terrafill_lab::{Cases, Column, Comparison, Follows, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
-use terrafill_results::{Block, ChapterError, Finding};
+use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Vertices made on the GPU",
     text: "A spiral of 72 vertices a turn by the focus-local form, from the fan to the horizon: sent by the CPU, made \
-           by a compute shader into the buffer that is drawn, or made by the vertex stage from the vertex's number. \
+           by a compute shader into the buffer that is drawn, or made by the vertex stage from the vertex's number, or \
+           from one static buffer of sine, cosine and radius, as the paper has it. Of that buffer draw arguments \
+           choose a range; the vertex stage corrects the radius by a square root and turns a hemisphere to the focus. \
            Vertices are read back and held against f64; the vertex stage's picture is held to the compute shader's to \
            the bit. Native sines and cosines have a bound of 2^-11 in WGSL, 3 km on the Earth; series of ninth and \
            tenth order have one of their own. Over terrain each vertex is moved up by a height that it looks up where \
@@ -29,6 +31,7 @@ pub(crate) const SECTION: Section<'static> = Section {
     ]),
     columns: &[
         Column::metric("sent a frame", GLOBE_UPLOAD_BYTES),
+        Column::metric("sent while the eye stands still", GLOBE_STEADY_UPLOAD_BYTES),
         Column::metric("px off f64, largest", GLOBE_MADE_PX_MAX),
         Column::metric("m off f64, largest", GLOBE_MADE_M_MAX),
         Column::metric("px that differ from compute's", GLOBE_MADE_DIFFERS_PX),
@@ -37,14 +40,16 @@ pub(crate) const SECTION: Section<'static> = Section {
         Column::metric("make and send, CPU ms", GLOBE_UPLOAD_CPU_MS),
         DRAW,
     ],
-    findings: &[same_as_compute],
+    findings: &[same_as_compute, static_is_faster, sends_nothing],
     more: &[displaced],
     ..Section::EMPTY
 };
 
 fn same_as_compute(cases: &Cases<'_>) -> Finding {
-    let differs = cases.with(&[(VERTICES, "number")]);
-    let differs = differs.values(GLOBE_MADE_DIFFERS_PX);
+    let differs = ["number", "static"].map(|of| cases.with(&[(VERTICES, of)]));
+    let differs = differs
+        .map(|cases| cases.values(GLOBE_MADE_DIFFERS_PX))
+        .concat();
     let words = ["native", "series"].into_iter().filter_map(|trig| {
         let own = [(TRIG, trig), (VERTICES, "compute"), (HEIGHTS, "none")];
         let worst = cases.with(&own).greatest(GLOBE_MADE_PX_MAX)?;
@@ -58,6 +63,65 @@ fn same_as_compute(cases: &Cases<'_>) -> Finding {
             differs.iter().sum::<f64>(),
             differs.len(),
             words.collect::<Vec<_>>().join(", ")
+        ),
+    )
+}
+
+/// The paper's thesis: geometry that is never altered, projected on the GPU, against geometry that the CPU sends.
+const STATIC: Comparison<'static> = Comparison {
+    changed: VERTICES.name(),
+    follows: &[Follows {
+        key: TRIG.name(),
+        because: "the CPU has sines of its own",
+    }],
+    one_sided: None,
+    metric: GLOBE_WHOLE_CPU_MS,
+    needs: Scope::PLAN.and(Scope::DRAW),
+};
+
+fn static_is_faster(cases: &Cases<'_>) -> Finding {
+    let of = |view: &str, vertices: &str| {
+        let own = [
+            (VIEW, view),
+            (VERTICES, vertices),
+            (LAW, "published"),
+            (HEIGHTS, "none"),
+        ];
+        cases.with(&own).first()
+    };
+    let views = cases.by(VIEW).into_iter();
+    let pairs = views.filter_map(|(view, _)| Some([of(view, "sent")?, of(view, "static")?]));
+    let pairs: Vec<[&Case; 2]> = pairs.collect();
+    cases.compared(
+        &Comparison {
+            metric: whole(cases.clock()),
+            ..STATIC
+        },
+        &pairs,
+        Claim::Faster,
+        "Gebbie & Bailey: a static buffer that the vertex stage projects takes less than vertices made and sent for \
+         each frame"
+            .to_owned(),
+    )
+}
+
+fn sends_nothing(cases: &Cases<'_>) -> Finding {
+    let own = cases.with(&[(VERTICES, "static")]);
+    let steady = own.greatest(GLOBE_STEADY_UPLOAD_BYTES);
+    let of = |vertices: &str| {
+        let all = cases.with(&[(VERTICES, vertices), (HEIGHTS, "none")]);
+        all.greatest(GLOBE_UPLOAD_BYTES)
+            .map(significant)
+            .unwrap_or_default()
+    };
+    finding(
+        "A static buffer needs no upload while the eye stands still",
+        steady.map(|bytes| bytes == 0.0),
+        format!(
+            "{} bytes are sent then. When the eye moves, {} bytes are, all of them constants; the CPU's own mesh is {}.",
+            steady.map(significant).unwrap_or_default(),
+            of("static"),
+            of("sent")
         ),
     )
 }
@@ -80,4 +144,40 @@ fn displaced(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
         )
     });
     Ok(found.map(Block::Finding))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{Clock, Standing};
+
+    /// Vertices of the CPU's take 2 ms, or 1 % more when measured again; those of the static buffer `ms`.
+    fn standing(ms: f64, law: &str) -> Standing {
+        let mut made = MadeUpRun::default();
+        let metric = whole(Clock::ProcessCpu);
+        for (vertices, trig, ms) in [("sent", "native", 2.0), ("static", "series", ms)] {
+            let conditions = [
+                ("part", PART),
+                ("view", "globe"),
+                ("vertices", vertices),
+                ("trig", trig),
+                ("law", law),
+                ("heights", "none"),
+            ];
+            let id = case_id(crate::STUDY, vertices, &conditions);
+            made.case(id.repeat()).timed(metric, &[1.01 * ms; 5]);
+            made.case(id).timed(metric, &[ms; 5]);
+        }
+        static_is_faster(&Cases::of_study(&made.loaded(), crate::STUDY)).standing
+    }
+
+    #[test]
+    fn a_static_buffer_is_faster_only_beyond_the_noise() {
+        assert_eq!(standing(1.0, "published"), Standing::Holds);
+        // Negative controls: slower, within the noise, and another law.
+        assert_eq!(standing(4.0, "published"), Standing::DoesNotHold);
+        assert_eq!(standing(1.995, "published"), Standing::NoDifference);
+        assert_eq!(standing(1.0, "quadratic"), Standing::NotMeasured);
+    }
 }

@@ -6,10 +6,13 @@ use crate::list::Eye;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
 use std::sync::Arc;
+use terrafill_core::nearest_f32;
 
 /// Radius of the fan, pixels, and of the inner circle at most.
 const FAN_PX: f64 = 50.0;
 const MAX_INNER: f64 = 0.1;
+/// The least radius of a vertex that is stored, radians: 6 mm on the Earth, within the fan of an eye 0.1 m above it.
+const BASE: f64 = 1e-9;
 
 terrafill_results::named! {
     /// Where vertices come from.
@@ -20,6 +23,20 @@ terrafill_results::named! {
         Compute = "compute",
         /// The vertex stage makes them, from a vertex's number.
         Number = "number",
+        /// The vertex stage makes them, from one buffer for all views (sine, cosine, radius): the paper's own method.
+        Static = "static",
+    }
+}
+
+terrafill_results::named! {
+    /// How radii grow.
+    pub(crate) enum Law {
+        /// By the same factor.
+        Exponential = "exponential",
+        /// Their roots by equal steps.
+        Quadratic = "quadratic",
+        /// By the same factor where they are stored; corrected by a square root where they are drawn, as the paper does.
+        Published = "published",
     }
 }
 
@@ -56,9 +73,30 @@ pub(crate) struct Spiral {
     pub(crate) outer: f64,
     pub(crate) turns: f64,
     pub(crate) per_turn: u32,
-    pub(crate) is_quadratic: bool,
+    pub(crate) law: Law,
+    /// Of all vertices that are stored, the first of this view.
+    pub(crate) first: u32,
     pub(crate) radii: DVec3,
     pub(crate) relief: Option<Relief>,
+}
+
+/// Vertices for which the radius doubles: cells are square.
+fn per_octave(per_turn: u32) -> f64 {
+    f64::from(per_turn).powi(2) * LN_2 / TAU
+}
+
+/// Radius of a stored vertex, radians.
+pub(crate) fn stored_radius(number: u32, per_turn: u32) -> f64 {
+    BASE * (f64::from(number) / per_octave(per_turn)).exp2()
+}
+
+/// The last stored vertex that is not beyond a radius.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "some thousands of vertices"
+)]
+pub(crate) fn number_of(radius: f64, per_turn: u32) -> u32 {
+    (per_octave(per_turn) * (radius / BASE).log2()).floor() as u32
 }
 
 /// acos(1/ratio) without its cancellation near 1: tan² = ratio² − 1.
@@ -67,13 +105,14 @@ fn angle_to(ratio: f64) -> f64 {
 }
 
 impl Spiral {
-    /// In closed form from a view: from the fan's rim to the horizon, in square cells. Over terrain the focus is the
+    /// In closed form from a view: from the fan's rim to the horizon, in square cells. The fan's rim is the start of a
+    /// turn of those that are stored, so that one buffer has the vertices of every view. Over terrain the focus is the
     /// foot of the eye's height: the line to the centre misses the ground below the eye by some metres. The horizon is
     /// that of the highest summit.
-    pub(super) fn new(
+    pub(crate) fn new(
         eye: &Eye,
         per_turn: u32,
-        is_quadratic: bool,
+        law: Law,
         heights: Option<&Arc<HeightCube>>,
     ) -> Self {
         let radii = eye.body.radii_m();
@@ -110,14 +149,17 @@ impl Spiral {
         let inner = (FAN_PX * height / eye.focal_px())
             .min(MAX_INNER)
             .min(0.5 * outer);
+        let first = (number_of(inner, per_turn) / per_turn).max(1) * per_turn;
+        let inner = stored_radius(first, per_turn);
         Self {
             axes: [east * radii, up.cross(east) * radii, up * radii],
             focus,
             inner,
             outer,
-            turns: f64::from(per_turn) * LN_2 / TAU * (outer / inner).log2(),
+            turns: per_octave(per_turn) / f64::from(per_turn) * (outer / inner).log2(),
             per_turn,
-            is_quadratic,
+            law,
+            first,
             radii,
             relief,
         }
@@ -133,7 +175,7 @@ impl Spiral {
         clippy::cast_possible_truncation,
         reason = "some thousands of vertices"
     )]
-    fn rim(&self) -> u32 {
+    pub(crate) fn rim(&self) -> u32 {
         (self.turns * f64::from(self.per_turn)).ceil() as u32
     }
 
@@ -175,10 +217,17 @@ impl Spiral {
             return DVec3::ZERO;
         };
         let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
-        let radius = if !self.is_quadratic {
-            self.inner * (self.outer / self.inner).powf(share)
-        } else {
-            (self.inner.sqrt() + share * (self.outer.sqrt() - self.inner.sqrt())).powi(2)
+        let (inner, outer) = (self.inner, self.outer);
+        let radius = match self.law {
+            Law::Exponential => inner * (outer / inner).powf(share),
+            Law::Quadratic => (inner.sqrt() + share * (outer.sqrt() - inner.sqrt())).powi(2),
+            Law::Published => {
+                // Of the radius as it is stored: near the fan's rim the root magnifies how it was rounded.
+                let [inner, outer] = [inner, outer].map(|at| f64::from(nearest_f32(at)));
+                let stored = nearest_f32(stored_radius(self.first + k, self.per_turn));
+                let (stored, span) = (f64::from(stored).min(outer), outer - inner);
+                ((stored - inner) / span).sqrt() * span + inner
+            }
         };
         let angle = TAU * f64::from(k % self.per_turn) / f64::from(self.per_turn);
         let [east, north, up] = self.axes;

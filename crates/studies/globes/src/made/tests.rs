@@ -29,8 +29,8 @@ fn eye(name: &str) -> Eye {
 fn every_vertex_lies_on_the_body_and_every_edge_is_shared() {
     for view in VIEWS {
         let eye = eye(view);
-        for is_quadratic in [false, true] {
-            let spiral = Spiral::new(&eye, 36, is_quadratic, None);
+        for law in [Law::Exponential, Law::Quadratic, Law::Published] {
+            let spiral = Spiral::new(&eye, 36, law, None);
             let mut edges: BTreeMap<[u32; 2], u32> = BTreeMap::new();
             for [a, b, c] in spiral.triangles() {
                 for [p, q] in [[a, b], [b, c], [c, a]] {
@@ -95,9 +95,12 @@ fn devices_make_the_vertices_of_f64_and_both_stages_the_same() {
 #[test]
 fn a_vertex_that_was_moved_is_found() {
     let eye = eye("globe");
-    let spiral = Spiral::new(&eye, 36, false, None);
+    let spiral = Spiral::new(&eye, 36, Law::Exponential, None);
     let mut vertices = spiral.vertices();
     assert!(against(&eye, &spiral, &vertices).0 < 1e-4);
+    // Negative control: radii that were not corrected.
+    let corrected = Spiral::new(&eye, 36, Law::Published, None).vertices();
+    assert!(against(&eye, &spiral, &corrected).0 > 1.0);
     // Negative controls: 100 km off, and lost.
     vertices[7][0] += 1e5;
     assert!(against(&eye, &spiral, &vertices).0 > 0.5);

@@ -3,10 +3,17 @@
 
 use super::layers::Lights;
 use super::texels::{Pictures, Texels};
-use crate::canvas::{self, Canvas, Stages, texture, uniform, write_layers};
+use super::way::Shading;
+use crate::canvas::{self, Canvas, Stages, texture, uniform, view_constants, write_layers};
+use crate::list::Eye;
+use crate::made::device::SpiralConstants;
+use crate::made::spiral::Spiral;
+use crate::made::stored::{DrawnRange, StoredSpiral};
+use crate::projection::{K, Projection};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
-use terrafill_contract::DeviceError;
+use terrafill_contract::{DeviceError, ViewConstants};
+use terrafill_core::nearest_f32;
 use terrafill_gpu::Gpu;
 use terrafill_scene::ImageSize;
 
@@ -45,14 +52,29 @@ impl LayerConstants {
     }
 }
 
-/// What the pipeline is made for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Shading {
-    pub(crate) removed: u32,
-    pub(crate) by_angles: bool,
-    /// Bumps are normals along ECEF axes, in place of shares of normal, tangent and binormal.
-    pub(crate) is_object_space: bool,
-    pub(crate) fault: u32,
+/// Twin of `MapConstants`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct MapConstants {
+    cosine: f32,
+    sine: f32,
+    latitude: f32,
+    reach: f32,
+}
+
+impl MapConstants {
+    fn new(eye: &Eye) -> Self {
+        let focus = eye.pose.eye;
+        let (sine, cosine) = focus.longitude_rad.sin_cos();
+        let [cosine, sine, latitude, reach] =
+            [cosine, sine, focus.latitude_rad, K].map(nearest_f32);
+        Self {
+            cosine,
+            sine,
+            latitude,
+            reach,
+        }
+    }
 }
 
 /// Pictures of the layers on the device: cubes with bumps by tangents and with bent normals, and pictures by angles.
@@ -92,11 +114,24 @@ fn filled(gpu: &Gpu, texels: &Texels) -> wgpu::Texture {
     texture
 }
 
+/// What is drawn of a view.
+#[derive(Clone, Copy)]
+pub(crate) enum Geometry<'a> {
+    /// Vertices that the CPU projected, sent for each frame.
+    Sent(&'a [LayerVertex]),
+    /// A range of the static buffer, projected by the vertex stage.
+    Stored(&'a Spiral),
+}
+
 /// Targets of one size, and what all pipelines share.
 pub(crate) struct LayerTargets {
     canvas: Canvas,
     layout: wgpu::PipelineLayout,
-    uniform: wgpu::BindGroupLayout,
+    view_layout: wgpu::BindGroupLayout,
+    constants_layout: wgpu::BindGroupLayout,
+    stored: StoredSpiral,
+    /// Its vertices and indices.
+    stored_buffers: [wgpu::Buffer; 2],
     /// Bumps by tangents, and bent normals.
     pictures: [wgpu::BindGroup; 2],
 }
@@ -104,18 +139,34 @@ pub(crate) struct LayerTargets {
 /// A way to shade, and the vertices that it draws.
 pub(crate) struct LayerScene {
     pipeline: wgpu::RenderPipeline,
-    constants: wgpu::Buffer,
-    lights: wgpu::BindGroup,
+    /// Of the view, of layers, of the spiral, of the map.
+    constants: [wgpu::Buffer; 4],
+    bound: [wgpu::BindGroup; 2],
     is_object_space: bool,
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
+    range: Option<DrawnRange>,
 }
 
 impl LayerTargets {
-    pub(crate) fn new(gpu: &Arc<Gpu>, size: ImageSize, textures: &LayerTextures) -> Self {
-        let fragment = wgpu::ShaderStages::FRAGMENT;
-        let uniform = gpu.buffer_layout("layers", fragment, &[wgpu::BufferBindingType::Uniform]);
+    /// - `per_turn`: vertices of a turn of the static buffer
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        size: ImageSize,
+        textures: &LayerTextures,
+        per_turn: u32,
+    ) -> Result<Self, DeviceError> {
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let view_layout = gpu.buffer_layout("view", wgpu::ShaderStages::VERTEX, &[uniform]);
+        let constants_layout =
+            gpu.buffer_layout("layers", wgpu::ShaderStages::VERTEX_FRAGMENT, &[uniform; 3]);
+        let stored = StoredSpiral::new(per_turn);
+        let bytes = bytemuck::cast_slice(&stored.vertices);
+        let stored_vertices = gpu.upload("stored spiral", bytes, wgpu::BufferUsages::VERTEX)?;
+        let bytes = bytemuck::cast_slice(&stored.indices);
+        let usage = wgpu::BufferUsages::INDEX;
+        let stored_indices = gpu.upload("triangles of the stored spiral", bytes, usage)?;
         let picture = |view_dimension| wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: true },
             view_dimension,
@@ -151,18 +202,22 @@ impl LayerTargets {
             let sampler = wgpu::BindingResource::Sampler(&sampler);
             gpu.bind("layers", &pictures_layout, views.chain([sampler]))
         });
-        Self {
-            layout: gpu.pipeline_layout("layers", &[Some(&uniform), Some(&pictures_layout)]),
-            uniform,
+        let groups = [&view_layout, &pictures_layout, &constants_layout].map(Some);
+        Ok(Self {
+            layout: gpu.pipeline_layout("layers", &groups),
+            view_layout,
+            constants_layout,
+            stored,
+            stored_buffers: [stored_vertices, stored_indices],
             pictures,
             canvas: Canvas::new(gpu, size, TARGET),
-        }
+        })
     }
 
     pub(crate) fn scene(
         &self,
-        shading: Shading,
-        vertices: &[LayerVertex],
+        (shading, projection): (Shading, Projection),
+        geometry: Geometry<'_>,
         triangles: &[[u32; 3]],
     ) -> Result<LayerScene, DeviceError> {
         let gpu = &self.canvas.gpu;
@@ -172,44 +227,86 @@ impl LayerTargets {
             ("BY_ANGLES", f64::from(u8::from(shading.by_angles))),
             ("OBJECT_SPACE", f64::from(u8::from(shading.is_object_space))),
             ("FAULT", f64::from(shading.fault)),
+            ("SERIES", 1.0),
+            ("PROJECTION", of_shader(projection)),
         ];
-        let attributes = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3, 2 => Float32x3];
+        let sent = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x3, 2 => Float32x3];
+        let stored = wgpu::vertex_attr_array![0 => Float32x3];
+        let (entry_point, attributes) = match geometry {
+            Geometry::Sent(_) => ("vertex_main", &sent[..]),
+            Geometry::Stored(_) => ("stored_main", &stored[..]),
+        };
         let stages = Stages {
             module: &module,
-            entry_points: ["vertex_main", "fragment_main"],
+            entry_points: [entry_point, "fragment_main"],
             constants: &constants,
-            buffers: &[canvas::vertices(&attributes)],
+            buffers: &[canvas::vertices(attributes)],
         };
         let pipeline = self.canvas.pipeline("layers", &self.layout, &stages);
-        let (vertices, indices) = (bytemuck::cast_slice(vertices), triangles.as_flattened());
-        let constants = uniform::<LayerConstants>(gpu, "layer constants");
+        let indices = triangles.as_flattened();
+        let constants = [
+            uniform::<ViewConstants>(gpu, "view constants"),
+            uniform::<LayerConstants>(gpu, "layer constants"),
+            uniform::<SpiralConstants>(gpu, "spiral"),
+            uniform::<MapConstants>(gpu, "map constants"),
+        ];
+        let [view, of_layers @ ..] = &constants;
+        let [stored_vertices, stored_indices] = &self.stored_buffers;
+        let (vertices, indices_buffer) = match geometry {
+            Geometry::Sent(vertices) => {
+                let vertices = bytemuck::cast_slice(vertices);
+                let bytes = bytemuck::cast_slice(indices);
+                (
+                    gpu.upload("layer vertices", vertices, wgpu::BufferUsages::VERTEX)?,
+                    gpu.upload("layer indices", bytes, wgpu::BufferUsages::INDEX)?,
+                )
+            }
+            Geometry::Stored(_) => (stored_vertices.clone(), stored_indices.clone()),
+        };
         Ok(LayerScene {
             pipeline,
-            lights: gpu.bind_buffers("layers", &self.uniform, &[&constants]),
+            bound: [
+                gpu.bind_buffers("view", &self.view_layout, &[view]),
+                gpu.bind_buffers("layers", &self.constants_layout, &of_layers.each_ref()),
+            ],
             constants,
             is_object_space: shading.is_object_space,
-            vertices: gpu.upload("layer vertices", vertices, wgpu::BufferUsages::VERTEX)?,
-            indices: gpu.upload(
-                "layer indices",
-                bytemuck::cast_slice(indices),
-                wgpu::BufferUsages::INDEX,
-            )?,
+            vertices,
+            indices: indices_buffer,
+            range: None,
             count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
         })
     }
 
-    /// Sends the vertices anew, and where sun and clouds are; bytes that were sent.
+    /// Sends what a frame needs anew: where eye, sun and clouds are, and vertices unless they are stored; bytes that
+    /// were sent.
     pub(crate) fn send(
         &self,
-        scene: &LayerScene,
-        lights: &Lights,
-        vertices: &[LayerVertex],
+        scene: &mut LayerScene,
+        (eye, lights): (&Eye, &Lights),
+        geometry: Geometry<'_>,
     ) -> usize {
-        let constants = LayerConstants::new(lights);
-        let gpu = &self.canvas.gpu;
-        gpu.write_buffer(&scene.vertices, 0, bytemuck::cast_slice(vertices));
-        gpu.write_buffer(&scene.constants, 0, bytemuck::bytes_of(&constants));
-        size_of_val(vertices) + size_of_val(&constants)
+        let (vertices, spiral) = match geometry {
+            Geometry::Sent(vertices) => (vertices, None),
+            Geometry::Stored(spiral) => (&[][..], Some(spiral)),
+        };
+        scene.range = spiral.map(|spiral| self.stored.range(spiral));
+        let view = spiral.map(|_| view_constants(eye));
+        let layers = LayerConstants::new(lights);
+        let map = spiral.map(|_| MapConstants::new(eye));
+        let spiral = spiral.map(SpiralConstants::new);
+        let [of_view, of_layers, of_spiral, of_map] = &scene.constants;
+        let all: [(&wgpu::Buffer, &[u8]); 5] = [
+            (&scene.vertices, bytemuck::cast_slice(vertices)),
+            (of_view, bytemuck::cast_slice(view.as_slice())),
+            (of_layers, bytemuck::bytes_of(&layers)),
+            (of_spiral, bytemuck::cast_slice(spiral.as_slice())),
+            (of_map, bytemuck::cast_slice(map.as_slice())),
+        ];
+        for (buffer, bytes) in all.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            self.canvas.gpu.write_buffer(buffer, 0, bytes);
+        }
+        all.iter().map(|(_, bytes)| bytes.len()).sum()
     }
 
     pub(crate) fn draw(&self, scene: &LayerScene) -> Result<Option<f64>, DeviceError> {
@@ -217,12 +314,19 @@ impl LayerTargets {
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&scene.pipeline);
             let pictures = &self.pictures[usize::from(scene.is_object_space)];
-            for (at, bound) in (0..).zip([&scene.lights, pictures]) {
+            let [view, layers] = &scene.bound;
+            for (at, bound) in (0..).zip([view, pictures, layers]) {
                 pass.set_bind_group(at, bound, &[]);
             }
             pass.set_vertex_buffer(0, scene.vertices.slice(..));
             pass.set_index_buffer(scene.indices.slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..scene.count, 0, 0..1);
+            match &scene.range {
+                Some(range) => {
+                    pass.draw_indexed(range.fan.clone(), range.base_vertex, 0..1);
+                    pass.draw_indexed(range.turns.clone(), 0, 0..1);
+                }
+                None => pass.draw_indexed(0..scene.count, 0, 0..1),
+            }
         });
         self.canvas.finish(encoder)
     }
@@ -230,6 +334,17 @@ impl LayerTargets {
     /// Colours in rows; alpha is 1 where a surface is shown.
     pub(crate) fn read(&self) -> Result<Vec<[f32; 4]>, DeviceError> {
         self.canvas.read()
+    }
+}
+
+/// As the shader numbers it.
+fn of_shader(projection: Projection) -> f64 {
+    match projection {
+        Projection::Globe => 0.0,
+        Projection::Flat => 1.0,
+        Projection::HyperbolicPolar => 2.0,
+        Projection::HyperbolicCartesian => 3.0,
+        Projection::Dome => 4.0,
     }
 }
 
@@ -244,16 +359,22 @@ mod tests {
         let offsets: Vec<u32> = members.iter().map(|member| member.1).collect();
         assert_eq!(offsets, [0, 12, 16, 32, 48]);
         assert_eq!(std::mem::offset_of!(LayerConstants, clouds), 16);
+        let layout = terrafill_shaders::struct_layout("globes/layers.wgsl", "MapConstants");
+        let members = layout.expect("a struct").members;
+        let offsets: Vec<u32> = members.iter().map(|member| member.1).collect();
+        assert_eq!(offsets, [0, 4, 8, 12]);
+        assert_eq!(std::mem::offset_of!(MapConstants, reach), 12);
     }
 
     #[test]
     fn the_papers_undeclared_variable_does_not_compile() {
         let source = terrafill_shaders::compose("globes/layers.wgsl").expect("the shader");
-        assert!(terrafill_shaders::validate("layers", &source).is_ok());
+        assert!(terrafill_shaders::validate("globes/layers.wgsl", &source).is_ok());
         // The paper's listing multiplies the highlight by texcolor.a, which nothing declares.
         let faulty = source.replace("* base.a", "* texcolor.a");
         assert_ne!(faulty, source);
-        let error = terrafill_shaders::validate("layers", &faulty).expect_err("undeclared");
+        let error =
+            terrafill_shaders::validate("globes/layers.wgsl", &faulty).expect_err("undeclared");
         assert!(error.to_string().contains("texcolor"), "{error}");
     }
 }

@@ -2,19 +2,24 @@
 //! A picture's colours in `f64`: against the same texels, filtered alike, which decides; and against the layers as they
 //! are published, which says what cube maps, bumps in 8 bits and filters cost.
 
-use super::device::Shading;
 use super::layers::{Fragment, Lights, Reads, Sampled, Shade, shade};
 use super::sources::Sources;
-use super::texels::{Layer, Looked};
+use super::texels::Looked;
+use super::way::{Layer, Shading};
 use crate::error::shares;
 use crate::list::Eye;
+use crate::projection::{K, Projection};
 use crate::sight::drawn_otherwise;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::FRAC_PI_2;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;
 
 /// How far a triangle's corner may be from where it is, along each axis: a device keeps them in steps of 1/256 px.
 const SNAPPED_PX: f64 = 1.0 / 256.0;
+
+/// By which WGSL allows an angle of a quarter turn by `atan2` to be off, radians: 4,096 units in the last place.
+const ATAN2_RAD: f64 = 4096.0 / 16_777_216.0;
 
 /// Sine of 85°.
 const POLAR_SINE: f64 = 0.996_194_698_091_745_5;
@@ -38,35 +43,153 @@ pub(super) struct ShadingErrors {
     pub(super) otherwise: usize,
 }
 
-/// The triangle, relative to the eye, that each pixel's ray meets.
+/// The triangles that pixels show.
 pub(super) struct Met {
-    facets: Vec<Option<[DVec3; 3]>>,
+    /// Of each pixel, relative to the eye.
+    facets: Vec<Option<Facet>>,
+    /// How far corners may be from where they are, pixels.
+    off_px: f64,
+}
+
+/// A triangle as a pixel shows it.
+#[derive(Debug, Clone, Copy)]
+enum Facet {
+    /// Met by the pixel's ray; corners from the eye.
+    Seen([DVec3; 3]),
+    /// Drawn flat: where the corners are in the picture, pixels, beside the same.
+    OnMap([DVec2; 3], [DVec3; 3]),
 }
 
 impl Met {
+    /// Triangles in perspective.
     pub(super) fn new(eye: &Eye, frame: &SurfaceFrame) -> Self {
         let triangles = SurfaceTriangles::new(frame);
         let facets = eye.by_pixel(|_, _, direction| {
             let hit = triangles.hit_facet(direction, eye.camera.near_m);
-            hit.map(|(_, facet)| facet)
+            hit.map(|(_, facet)| Facet::Seen(facet))
         });
-        Self { facets }
+        Self {
+            facets,
+            off_px: SNAPPED_PX,
+        }
+    }
+
+    /// Triangles of places from the eye, projected in `f64`.
+    pub(super) fn projected(
+        eye: &Eye,
+        places: &[DVec3],
+        triangles: &[[u32; 3]],
+        projection: Projection,
+    ) -> Self {
+        let size = DVec2::new(eye.size.width.into(), eye.size.height.into());
+        let [width, height] = [eye.size.width, eye.size.height].map(|side| side as usize);
+        let drawn = places.iter().map(|place| {
+            let clip = projection.clip(eye, *place);
+            let clip = clip / clip.w;
+            let at = 0.5 + 0.5 * DVec2::new(clip.x, -clip.y);
+            (at * size, clip.z)
+        });
+        let drawn: Vec<(DVec2, f64)> = drawn.collect();
+        let mut facets = vec![None; width * height];
+        let mut nearest = vec![0.0; width * height];
+        for triangle in triangles {
+            let corners = triangle.map(|k| drawn[k as usize]);
+            let at = corners.map(|(at, _)| at);
+            let facet = Facet::OnMap(at, triangle.map(|k| places[k as usize]));
+            let [least, most] = [at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2])];
+            for row in pixels(least.y, most.y, height) {
+                for column in pixels(least.x, most.x, width) {
+                    let centre = DVec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                    let shares = on_map(at, centre);
+                    let depth: f64 = (0..3).map(|i| shares[i] * corners[i].1).sum();
+                    let pixel = row * width + column;
+                    if shares.iter().all(|share| *share >= 0.0) && depth > nearest[pixel] {
+                        nearest[pixel] = depth;
+                        facets[pixel] = Some(facet);
+                    }
+                }
+            }
+        }
+        Self {
+            facets,
+            off_px: SNAPPED_PX + ATAN2_RAD * 0.5 * size.y * steepest(projection),
+        }
+    }
+
+    /// How far from its centre, in pixels, `f64` puts what a pixel shows: triangles are flat, and projections are not.
+    pub(super) fn off_formula(&self, eye: &Eye, projection: Projection) -> Vec<f64> {
+        let half = 0.5 * DVec2::new(eye.size.width.into(), eye.size.height.into());
+        let off = eye.by_pixel(|pixel, centre, direction| {
+            let facet = self.facets[pixel]?;
+            let normals = facet.corners().map(|corner| normal(eye, corner));
+            let shown = facet.fragment(normals, centre, direction);
+            let clip = projection.clip(eye, foot(eye, shown.n));
+            let at = half + half * DVec2::new(clip.x, -clip.y) / clip.w;
+            Some(at.distance(centre.into()))
+        });
+        off.into_iter().flatten().collect()
     }
 }
 
-/// What a ray sees of a triangle's plane: normal and direction to the eye are interpolated as the device does.
-fn fragment(facet: [DVec3; 3], normals: [DVec3; 3], direction: DVec3) -> Fragment {
-    let [a, b, c] = facet;
-    let out = (b - a).cross(c - a);
-    let at = direction * (a.dot(out) / direction.dot(out));
-    let shares = shares(facet, at);
-    let mixed = |of: [DVec3; 3]| {
-        let terms = of.iter().zip(shares);
-        terms.fold(DVec3::ZERO, |sum, (of, share)| sum + *of * share)
-    };
-    Fragment {
-        n: mixed(normals).normalize(),
-        to_eye: mixed(facet.map(|corner| -corner)),
+/// How far, of half a picture, a map moves for a radian where it moves most.
+fn steepest(projection: Projection) -> f64 {
+    match projection {
+        Projection::Globe => 0.0,
+        Projection::Flat | Projection::Dome => 1.0 / FRAC_PI_2,
+        Projection::HyperbolicPolar | Projection::HyperbolicCartesian => 1.0 / K,
+    }
+}
+
+/// Columns or rows whose middles lie between two places.
+#[allow(clippy::cast_possible_truncation, reason = "within the picture")]
+fn pixels(least: f64, most: f64, count: usize) -> std::ops::Range<usize> {
+    let [first, end] = [(least - 0.5).ceil(), (most - 0.5).floor() + 1.0];
+    let within = |at: f64| at.clamp(0.0, count as f64) as usize;
+    within(first)..within(end)
+}
+
+/// Shares of corners at a place in the picture; NaN in a triangle without area.
+fn on_map([a, b, c]: [DVec2; 3], at: DVec2) -> [f64; 3] {
+    let whole = (b - a).perp_dot(c - a);
+    let share = |from: DVec2, to: DVec2| (from - at).perp_dot(to - at) / whole;
+    [share(b, c), share(c, a), share(a, b)]
+}
+
+/// The place on the body whose geodetic normal this is, from the eye.
+fn foot(eye: &Eye, n: DVec3) -> DVec3 {
+    let radii = eye.body.radii_m();
+    let scaled = n * radii;
+    scaled * radii / scaled.length() - eye.camera.eye_ecef
+}
+
+impl Facet {
+    fn corners(self) -> [DVec3; 3] {
+        match self {
+            Self::Seen(corners) | Self::OnMap(_, corners) => corners,
+        }
+    }
+
+    /// What a place in the picture shows of it: normal and direction to the eye are interpolated as the device does.
+    ///
+    /// - `centre`, `direction`: of the place, pixels, and of its ray
+    fn fragment(self, normals: [DVec3; 3], centre: [f64; 2], direction: DVec3) -> Fragment {
+        let (shares, corners) = match self {
+            Self::Seen(corners) => {
+                let [a, b, c] = corners;
+                let out = (b - a).cross(c - a);
+                let at = direction * (a.dot(out) / direction.dot(out));
+                (shares(corners, at), corners)
+            }
+            Self::OnMap(at, corners) => (on_map(at, centre.into()), corners),
+        };
+        let mixed = |of: [DVec3; 3]| {
+            let terms = of.iter().zip(shares);
+            terms.fold(DVec3::ZERO, |sum, (of, share)| sum + *of * share)
+        };
+        Fragment {
+            n: mixed(normals).normalize(),
+            to_eye: mixed(corners.map(|corner| -corner)),
+        }
     }
 }
 
@@ -153,17 +276,17 @@ pub(super) fn judge(
             return None;
         }
         let shown = DVec3::new(r, g, b);
-        let normals = facet.map(|corner| normal(eye, corner));
-        let here = fragment(facet, normals, direction);
+        let normals = facet.corners().map(|corner| normal(eye, corner));
+        let here = facet.fragment(normals, centre, direction);
         let Shade { colour, mut doubt } = shade(lights, shading, here, sampled);
         let (mut least, mut most) = (colour, colour);
         for way in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
-            let beside = [0, 1].map(|axis| centre[axis] + SNAPPED_PX * way[axis]);
+            let beside = [0, 1].map(|axis| centre[axis] + met.off_px * way[axis]);
             let direction = eye.camera.direction_ecef(eye.size, beside);
             let beside = shade(
                 lights,
                 shading,
-                fragment(facet, normals, direction),
+                facet.fragment(normals, beside, direction),
                 sampled,
             );
             doubt = doubt.max(beside.doubt);

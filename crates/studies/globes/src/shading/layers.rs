@@ -2,9 +2,9 @@
 //! A fragment of five layers in `f64`, as `globes/layers.wgsl` shades it in `f32`; and how far a device may be off, from
 //! how far it may be off what it looks up.
 
-use super::device::Shading;
 use super::sources::{Sources, tangent};
-use super::texels::{Layer, Looked, Pictures};
+use super::texels::{Looked, Pictures};
+use super::way::{Layer, Shading};
 use crate::list::ShadedRow;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;

@@ -2,9 +2,8 @@
 //! The five layers as they are published, by longitude and latitude, and what lies between their texels: bicubic, as
 //! the paper's preprocessing has it. Directions are geodetic normals along ECEF axes.
 
-use super::texels::Layer;
+use super::way::{KIND, Layer};
 use crate::opened::Opened;
-use crate::shading::KIND;
 use glam::DVec3;
 use image::DynamicImage;
 use std::f64::consts::{PI, TAU};

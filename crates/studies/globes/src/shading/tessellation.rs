@@ -2,7 +2,8 @@
 //! Time against the number of triangles, with the full shader and with a white one: the windows and triangles of Gebbie
 //! and Bailey's Table 1.
 
-use super::{REMOVED, is_of};
+use super::is_of;
+use super::work::REMOVED;
 use crate::clock::{DRAW, compared_in, draw};
 use crate::metrics::{self, CELLS, GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_TRIANGLES, SIZE_PX};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};

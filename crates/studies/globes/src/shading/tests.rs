@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Layers on a device, and the judge without one; the layers are waves, so that no data is needed.
 
-use super::judge::ShadingErrors;
+use super::judge::{ShadingErrors, normal};
 use super::layers::{Fragment, shade};
+use super::way::Shading;
 use super::*;
 use crate::on_device::{figure, on_device, verdict};
 use terrafill_results::{RunInput, Status};
@@ -134,6 +135,28 @@ fn a_lost_colour_is_counted_and_another_layer_is_seen() {
 }
 
 #[test]
+fn triangles_on_a_map_are_off_another_formula() {
+    let list = List::shipped().expect("a list");
+    let eye = list.shaded("day").expect("the view").eye(128);
+    let spiral = Spiral::new(&eye, ABLATION_N, Law::Published, None);
+    let mesh = Mesh::Stored(spiral);
+    for projection in Projection::ALL {
+        let met = mesh.met(&eye, projection);
+        let off = |formula| quantile(&met.off_formula(&eye, formula), 0.5).expect("pixels");
+        assert!(off(projection) < 0.5, "{projection:?}: {}", off(projection));
+        // Negative control.
+        let others = Projection::ALL.iter().filter(|other| **other != projection);
+        for other in others {
+            assert!(
+                off(*other) > 3.0,
+                "{projection:?} by {other:?}: {}",
+                off(*other)
+            );
+        }
+    }
+}
+
+#[test]
 fn the_earth_s_layers_are_right_from_all_sides_where_there_is_data() {
     let opened = Rc::new(Opened::new(KINDS));
     let data_dir = terrafill_scene::data_dir_from_env();
@@ -153,7 +176,7 @@ fn the_earth_s_layers_are_right_from_all_sides_where_there_is_data() {
         let shadings = Shadings::planned(&list, (160, 1), true, sources, &opened);
         let mut session = shadings.open(context).expect("opens");
         let work = shadings.work.work.iter().enumerate();
-        for (case, work) in work.filter(|(_, work)| work.what == "layers") {
+        for (case, work) in work.filter(|(_, work)| matches!(work.what, "layers" | "projections")) {
             let verdict = verdict(&mut *session, case, work);
             assert_eq!(verdict.status, Status::Ok, "{work:?}: {}", verdict.reason);
         }

@@ -2,8 +2,8 @@
 //! The preprocessing: layers by longitude and latitude become faces of cubes, bicubic, or pictures by angles of the same
 //! density. And what a device makes of their texels: bilinear, in `f64`, with how far a device may be off that.
 
-use super::device::Shading;
 use super::sources::{Picture, Sources, byte, uv};
+use super::way::{Layer, Shading};
 use crate::canvas::{along_face, face_of, on_cube};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,29 +16,6 @@ const ROUNDED: f64 = 1.5 / 255.0;
 const ATAN2: f64 = 4096.0 / 16_777_216.0;
 /// How far over an edge of a face: any share of a texel.
 const BEYOND: f64 = 1e-6;
-
-/// What a fragment looks up; numbers of bindings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Layer {
-    /// Colour, and water as its fourth.
-    Base = 0,
-    /// Shares of normal, tangent and binormal, and elevation.
-    Bumps = 1,
-    Clouds = 2,
-    Night = 3,
-    /// The bent normal itself.
-    Bent = 4,
-}
-
-impl Layer {
-    const ALL: [Self; 5] = [
-        Self::Base,
-        Self::Bumps,
-        Self::Clouds,
-        Self::Night,
-        Self::Bent,
-    ];
-}
 
 /// Texels of one layer: of six faces, or of one picture twice as wide as high.
 #[derive(Debug, Clone, PartialEq, Eq)]

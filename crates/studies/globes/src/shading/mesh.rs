@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a frame draws: a mesh of the CPU's, or a range of the static buffer.
+
+use super::device::{Geometry, LayerVertex};
+use super::judge::{Met, normal};
+use crate::canvas::no_triangles;
+use crate::list::Eye;
+use crate::made::spiral::Spiral;
+use crate::projection::Projection;
+use glam::DVec3;
+use std::sync::Arc;
+use terrafill_surface::SurfaceFrame;
+
+/// What a frame draws.
+pub(super) enum Mesh {
+    /// Made and projected by the CPU.
+    Sent(SurfaceFrame, Vec<LayerVertex>),
+    /// Of the static buffer; its places from the eye are known in `f64`.
+    Stored(Spiral),
+}
+
+impl Mesh {
+    pub(super) fn geometry(&self) -> Geometry<'_> {
+        match self {
+            Self::Sent(_, vertices) => Geometry::Sent(vertices),
+            Self::Stored(spiral) => Geometry::Stored(spiral),
+        }
+    }
+
+    pub(super) fn triangles(&self) -> Arc<[[u32; 3]]> {
+        match self {
+            Self::Sent(frame, _) => Arc::clone(&frame.triangles),
+            Self::Stored(spiral) => spiral.triangles().into(),
+        }
+    }
+
+    /// Coordinates that are not finite.
+    pub(super) fn lost(&self) -> usize {
+        let Self::Sent(_, vertices) = self else {
+            return 0;
+        };
+        let places = vertices.iter().flat_map(|vertex| vertex.clip);
+        places.filter(|at| !at.is_finite()).count()
+    }
+
+    /// The triangles that pixels show.
+    pub(super) fn met(&self, eye: &Eye, projection: Projection) -> Met {
+        match self {
+            Self::Sent(frame, _) => Met::new(eye, frame),
+            Self::Stored(spiral) if projection == Projection::Globe => {
+                let frame = SurfaceFrame {
+                    vertices_rte: spiral.vertices().into(),
+                    triangles: spiral.triangles().into(),
+                    ..no_triangles()
+                };
+                Met::new(eye, &frame)
+            }
+            Self::Stored(spiral) => {
+                let places: Vec<DVec3> = (0..spiral.count()).map(|k| spiral.place(k)).collect();
+                Met::projected(eye, &places, &spiral.triangles(), projection)
+            }
+        }
+    }
+}
+
+pub(super) fn vertices(eye: &Eye, frame: &SurfaceFrame) -> Vec<LayerVertex> {
+    let places = frame.vertices_rte.iter();
+    places
+        .map(|vertex| {
+            let relative_m = DVec3::from(vertex.map(f64::from));
+            LayerVertex {
+                clip: Projection::Globe.clip(eye, relative_m).as_vec4().to_array(),
+                to_eye: (-relative_m).as_vec3().to_array(),
+                normal: normal(eye, relative_m).as_vec3().to_array(),
+            }
+        })
+        .collect()
+}
