@@ -67,6 +67,7 @@ impl Chapter for GlobesChapter {
         }
         let parts = [
             tiled::SECTION,
+            tiled::cells::SECTION,
             tiled::stage::SECTION,
             tiled::picture::SECTION,
             made::SECTION,

@@ -42,7 +42,7 @@ pub(crate) struct ViewRow {
     /// Whether a quick run has it.
     #[serde(default)]
     pub(crate) quick: bool,
-    /// Whether tiles are drawn there over every published number of cells.
+    /// Whether frames over every published number of cells are timed there.
     #[serde(default)]
     pub(crate) all_cells: bool,
 }

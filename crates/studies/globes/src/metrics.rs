@@ -215,6 +215,10 @@ terrafill_results::metrics! {
         "globe_tile_missing_px",
         "Pixels of the surface that ask for a tile that is not there.",
     );
+    GLOBE_TILE_WRONG_PX = Metric::error_px(
+        "globe_tile_wrong_px",
+        "Pixels whose tile is at hand and that show a texel off by more than ½ from their place on the triangle as drawn, or none.",
+    );
     GLOBE_TILE_CROSSING = Metric::quantity("globe_tile_crossing", "Triangles across ±180° that hold no pole.");
     GLOBE_TILE_MISSED = Metric::error("globe_tile_missed", "", "Of them, those that the seam's rule leaves whole.");
     GLOBE_TILE_COUNT = Metric::counter("globe_tile_count", "Tiles that a view needs, two caps among them.");

@@ -11,7 +11,7 @@ use crate::sight::{SurfacesView, works};
 use crate::tiled::options::Options;
 use crate::tiled::picture::{self, Pictured};
 use crate::tiled::stage::Stages;
-use crate::tiled::{self, Tiled};
+use crate::tiled::{self, Tiled, cells};
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
@@ -69,8 +69,11 @@ impl Study for GlobesStudy {
         }
         if opened.has(tiled::KIND) {
             for view in list.tiled_view.iter().filter(is_planned) {
-                let options = Options::of_view(is_quick, view.all_cells);
+                let options = Options::of_view(is_quick);
                 groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
+                if view.all_cells {
+                    groups.push(Box::new(cells::planned(view, sizes, &opened)));
+                }
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
             }
             match picture::blue_marble(request.data_dir.as_deref()) {

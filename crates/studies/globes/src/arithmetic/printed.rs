@@ -3,7 +3,8 @@
 
 use super::{numbers, table};
 use crate::shading::TABLE_3;
-use crate::tiled::PUBLISHED_FPS;
+use crate::tiled::cells::line::{Line, line};
+use crate::tiled::cells::{PUBLISHED_FPS, published};
 use terrafill_plot::number::significant;
 
 /// Window, triangles; milliseconds of GPU and CPU and what is called idle, per cent, with the full shader and with
@@ -35,70 +36,13 @@ const TABLE_2: [(&str, [f64; 6]); 6] = [
     ("600² zoom", [1.686, 1.26, 24.7, 0.28, 11.8, 14.5]),
 ];
 
-/// A straight line through points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Line {
-    slope: f64,
-    correlation: f64,
-    /// Two-sided probability of a correlation as large where there is none.
-    p: f64,
-}
-
-/// Least squares, and Student's test of the correlation.
-fn line(points: &[[f64; 2]]) -> Line {
-    let count = points.len() as f64;
-    let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / count;
-    let middle = [mean(0), mean(1)];
-    let sum = |a: usize, b: usize| -> f64 {
-        let terms = points.iter();
-        terms
-            .map(|point| (point[a] - middle[a]) * (point[b] - middle[b]))
-            .sum()
-    };
-    let correlation = sum(0, 1) / (sum(0, 0) * sum(1, 1)).sqrt();
-    let freedom = count - 2.0;
-    let t = correlation * (freedom / (1.0 - correlation * correlation)).sqrt();
-    Line {
-        slope: sum(0, 1) / sum(0, 0),
-        correlation,
-        p: beyond(t.abs(), freedom),
-    }
-}
-
-/// Probability that Student's t of `freedom` degrees is farther from 0 than `t`, both sides. With
-/// `t = √ν tan θ` the density becomes `cos^(ν−1) θ`, which Simpson's rule takes on a finite range.
-fn beyond(t: f64, freedom: f64) -> f64 {
-    const STEPS: u32 = 2000;
-    let integral = |from: f64, to: f64| {
-        let step = (to - from) / f64::from(STEPS);
-        let sum: f64 = (0..=STEPS)
-            .map(|place| {
-                let weight = match place {
-                    0 | STEPS => 1.0,
-                    odd if odd % 2 == 1 => 4.0,
-                    _ => 2.0,
-                };
-                weight * (from + f64::from(place) * step).cos().powf(freedom - 1.0)
-            })
-            .sum();
-        sum * step / 3.0
-    };
-    let end = std::f64::consts::FRAC_PI_2;
-    let from = (t / freedom.sqrt()).atan();
-    integral(from, end) / integral(0.0, end)
+fn fitted(points: &[[f64; 2]]) -> Line {
+    line(points).expect("a line")
 }
 
 /// Idle CPU as the tables' own figures give it, per cent.
 fn idle(gpu_ms: f64, cpu_ms: f64) -> f64 {
     100.0 * (1.0 - cpu_ms / gpu_ms)
-}
-
-/// Triangles and milliseconds a frame of the published rates, for N × N rectangles of the screen from 1 on.
-fn frame_times() -> Vec<[f64; 2]> {
-    let rates = (1..).zip(PUBLISHED_FPS);
-    rates
-        .map(|(n, rate)| [f64::from(2 * n * n), 1000.0 / rate])
-        .collect()
 }
 
 /// How far what Table 1 prints as idle is from 1 − CPU/GPU at most, points.
@@ -166,8 +110,8 @@ fn rows_of_table_2() -> Vec<Vec<String>> {
 }
 
 pub(super) fn page() -> String {
-    let times = frame_times();
-    let (all, rest) = (line(&times), line(&times[1..]));
+    let times = published();
+    let (all, rest) = (fitted(&times), fitted(&times[1..]));
     let rates = table(
         &["N", "triangles", "FPS, published", "ms", "ratio to N = 1"],
         (1..)
@@ -253,28 +197,52 @@ Table 3, “successive features removed”.
     )
 }
 
+/// Share of shuffles of the times whose slope is at least as far from 0.
+fn shuffled_as_far(points: &[[f64; 2]], shuffles: u32) -> f64 {
+    let middle = points.iter().map(|[x, _]| x).sum::<f64>() / points.len() as f64;
+    // A slope but for a factor that no shuffle changes.
+    let slope = |times: &[f64]| -> f64 {
+        let products = points
+            .iter()
+            .zip(times)
+            .map(|([x, _], ms)| (x - middle) * ms);
+        products.sum::<f64>().abs()
+    };
+    let mut times: Vec<f64> = points.iter().map(|[_, ms]| *ms).collect();
+    let least = slope(&times) * (1.0 - 1e-12);
+    // Fisher and Yates, by a linear congruential generator (Knuth's MMIX).
+    let mut state = 1_u64;
+    let mut below = |end: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % end
+    };
+    let as_far = (0..shuffles).filter(|_| {
+        for last in (1..times.len()).rev() {
+            times.swap(last, below(last + 1));
+        }
+        slope(&times) >= least
+    });
+    as_far.count() as f64 / f64::from(shuffles)
+}
+
 #[test]
 fn ten_frame_rates_show_no_effect() {
-    let times = frame_times();
-    let all = line(&times);
+    let times = published();
+    let all = fitted(&times);
     assert!((all.correlation - 0.47).abs() < 0.005, "{all:?}");
     assert!((all.p - 0.17).abs() < 0.005, "{all:?}");
     assert!((1e3 * all.slope - 1.4).abs() < 0.05, "{all:?}");
-    let rest = line(&times[1..]);
+    // By shuffling the ten times the same: 1/6 of all orders correlate as much, none of the distribution assumed.
+    assert!((shuffled_as_far(&times, 20_000) - all.p).abs() < 0.01);
+    let rest = fitted(&times[1..]);
     assert!((rest.correlation - 0.31).abs() < 0.005, "{rest:?}");
     // The facts print 0.41; t = 0.856 with seven degrees of freedom gives 0.42.
     assert!((rest.p - 0.42).abs() < 0.005, "{rest:?}");
     // Negative control: times that do grow with the triangles.
     let grow = |[triangles, ms]: &[f64; 2]| [*triangles, ms + 0.01 * triangles];
-    assert!(line(&times.iter().map(grow).collect::<Vec<_>>()).p < 1e-4);
-}
-
-#[test]
-fn students_distribution_has_its_tabulated_quantiles() {
-    for (t, freedom, p) in [(2.306, 8.0, 0.05), (3.355, 8.0, 0.01), (12.706, 1.0, 0.05)] {
-        assert!((beyond(t, freedom) / p - 1.0).abs() < 1e-3, "{t}");
-    }
-    assert!((beyond(0.0, 8.0) - 1.0).abs() < 1e-9);
+    assert!(fitted(&times.iter().map(grow).collect::<Vec<_>>()).p < 1e-4);
 }
 
 #[test]

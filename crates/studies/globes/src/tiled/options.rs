@@ -95,9 +95,7 @@ impl Options {
     }
 
     /// What a view is drawn by.
-    ///
-    /// - `has_all_cells`: whether the published numbers of cells are gone through, drawn as published
-    pub(crate) fn of_view(is_quick: bool, has_all_cells: bool) -> Vec<Self> {
+    pub(crate) fn of_view(is_quick: bool) -> Vec<Self> {
         let base = Self::BASE;
         let seams = [
             Seam::Split(0.5),
@@ -122,13 +120,6 @@ impl Options {
         }
         let cells = [2, 5, 20, 40, 80];
         all.extend(cells.map(|n| Self { n, ..base }));
-        if has_all_cells {
-            all.extend((1..=9).map(|n| Self {
-                n,
-                drawing: Drawing::DrawEach,
-                ..base
-            }));
-        }
         all
     }
 }
@@ -139,11 +130,9 @@ mod tests {
 
     #[test]
     fn no_way_is_planned_twice_and_each_differs_in_what_it_says() {
-        for has_all_cells in [false, true] {
-            let all = Options::of_view(false, has_all_cells);
-            for (at, one) in all.iter().enumerate() {
-                assert!(!all[at + 1..].contains(one), "{one:?}");
-            }
+        let all = Options::of_view(false);
+        for (at, one) in all.iter().enumerate() {
+            assert!(!all[at + 1..].contains(one), "{one:?}");
         }
         // Negative controls: half a turn misses nothing, more does.
         assert!(Seam::Split(0.7).may_miss() && !Seam::Split(0.5).may_miss());

@@ -3,10 +3,10 @@
 
 use super::PART;
 use super::options::Options;
-use crate::clock::{DRAW, FRAME, compared_in, whole};
+use crate::clock::{DRAW, FRAME};
 use crate::metrics::{self, *};
-use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding};
-use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
+use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
+use terrafill_results::{Case, Finding};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Tiles of a map over the grid on the screen",
@@ -39,7 +39,6 @@ pub(crate) const SECTION: Section<'static> = Section {
     ],
     per: Some(VIEW),
     findings: &[seam_finding],
-    more: &[table_of_cells, cells_finding],
     ..Section::EMPTY
 };
 
@@ -88,47 +87,4 @@ fn seam_finding(cases: &Cases<'_>) -> Finding {
         (crossing > 0.0 && px > 0.0).then_some(wrong == 0.0),
         format!("{}.", words.join("; ")),
     )
-}
-
-/// A. Jeromel, StuCoSReC 2018: frames per second by N × N rectangles of the screen, N from 1 on.
-pub(crate) const PUBLISHED_FPS: [f64; 10] = [
-    452.90, 350.62, 397.89, 407.09, 405.80, 364.40, 356.11, 370.66, 382.86, 359.95,
-];
-
-const AS_PUBLISHED: Section<'static> = Section {
-    named_by: Names::Columns(&[("view", VIEW), ("N", CELLS)]),
-    columns: &[
-        FRAME,
-        Column::of(
-            "published, ratio to N = 1",
-            Figure::Computed(|case| {
-                let n: usize = case.condition(CELLS).parse().ok()?;
-                Some(PUBLISHED_FPS[0] / PUBLISHED_FPS.get(n.checked_sub(1)?)?)
-            }),
-        ),
-    ],
-    ..Section::EMPTY
-};
-
-/// Frames drawn as published; nothing where the published numbers of cells were not gone through.
-fn table_of_cells(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
-    let own = cases.with(&[(TILES, "draw-each")]);
-    let view = own.with(&[(CELLS, "1")]);
-    Ok(view.first().map(|first| {
-        let own = own.with(&[(VIEW, first.condition(VIEW))]);
-        Block::Table(AS_PUBLISHED.table("Tiles drawn one by one as published", &own))
-    }))
-}
-
-fn cells_finding(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
-    let own = cases.with(&[(TILES, "draw-each")]);
-    let pairs = own.pairs(CELLS, ["10", "1"], &[]);
-    let needs = Scope::PLAN.and(Scope::DRAW);
-    let finding = own.compared(
-        &compared_in(CELLS, whole(cases.clock()), needs),
-        &pairs,
-        Claim::Faster,
-        "StuCoSReC 2018: time rises with the number of triangles, from N = 1 to 10",
-    );
-    Ok((!pairs.is_empty()).then_some(Block::Finding(finding)))
 }

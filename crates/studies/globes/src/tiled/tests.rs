@@ -130,7 +130,18 @@ fn a_texel_beside_the_right_one_is_found_wrong() {
         is_at_seam: true,
         holds_pole: false,
     };
-    let found = |shown| judge(&[Some(truth)], &[shown], false);
+    let all = BTreeSet::from([texel(0, 10).tile]);
+    let found = |shown| judge(&[Some(truth)], &[shown], &Options::BASE, &all);
+    assert_eq!(found(Shown::Missing).wrong_px, 1);
+    assert_eq!(found(Shown::Texel(texel(0, 10))).wrong_px, 0);
+    // A pixel whose tile is not at hand cannot show it.
+    let without = judge(
+        &[Some(truth)],
+        &[Shown::Missing],
+        &Options::BASE,
+        &BTreeSet::new(),
+    );
+    assert_eq!((without.wrong_px, without.missing_px), (0, 1));
     assert_eq!(found(Shown::Missing).seam_wrong_px, 1);
     assert_eq!(found(Shown::Texel(texel(0, 10))).seam_wrong_px, 0);
     assert_eq!(found(Shown::Texel(texel(2, 10))).seam_wrong_px, 1);

@@ -7,6 +7,7 @@ use crate::list::Eye;
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 use terrafill_core::Geodetic;
 use terrafill_maps::{
     MapPoint, MapTile, TILE_TEXELS, cap_point, half_plane_crossings, level_of, mercator_v,
@@ -63,6 +64,14 @@ pub(crate) struct WrappedPoint {
     pub(crate) mercator_vs: [f64; 2],
     /// Where a cap of a pole shows it.
     pub(crate) cap: Option<[f64; 2]>,
+}
+
+impl WrappedPoint {
+    /// Whether V' is on the map. Beside a cap, a corner beyond the map's end pulls it off: no texel is there, whatever
+    /// the seam.
+    pub(crate) fn is_on_map(&self, by_fragment: bool) -> bool {
+        (0.0..1.0).contains(&self.mercator_vs[usize::from(by_fragment)])
+    }
 }
 
 /// A pixel that shows the surface.
@@ -127,35 +136,58 @@ fn truth(
     });
     let ecef = camera.eye_ecef + direction * depth;
     let crossings = half_plane_crossings(corners);
-    // Beside a cap, a corner beyond the map's end pulls V' off the map: no texel is there, whatever the seam.
-    let is_on_map = [by_vertex, by_fragment]
-        .iter()
-        .all(|v| (0.0..1.0).contains(v));
     let place = eye.body.ecef_to_geodetic(ecef);
     let drawn = WrappedPoint {
         u,
         mercator_vs: [by_vertex, by_fragment],
         cap: cap_point(&eye.body, ecef),
     };
-    let of_body = body.hit(direction, camera.near_m).map(|depth| {
-        let ecef = camera.eye_ecef + direction * depth;
-        let point = MapPoint::new(&eye.body, ecef);
-        WrappedPoint {
-            u: point.u,
-            mercator_vs: [point.mercator_v; 2],
-            cap: cap_point(&eye.body, ecef),
-        }
-    });
+    let of_body = body.hit(direction, camera.near_m);
+    let of_body = of_body.map(|depth| on_body(eye, camera.eye_ecef + direction * depth));
+    let is_on_map = [false, true].map(|by_fragment| drawn.is_on_map(by_fragment));
     Some(Truth {
         drawn,
         body: of_body,
-        levels: [1.0 + LEVEL_ROUNDING, 1.0 - LEVEL_ROUNDING]
-            .map(|share| wanted_level(eye, place, share * direction.length() * depth)),
-        is_at_seam: is_on_map
+        levels: wanted_levels(eye, place, direction.length() * depth),
+        is_at_seam: is_on_map == [true; 2]
             && crossings == 2
             && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
         holds_pole: crossings % 2 == 1,
     })
+}
+
+fn on_body(eye: &Eye, ecef: DVec3) -> WrappedPoint {
+    let point = MapPoint::new(&eye.body, ecef);
+    WrappedPoint {
+        u: point.u,
+        mercator_vs: [point.mercator_v; 2],
+        cap: cap_point(&eye.body, ecef),
+    }
+}
+
+/// Pixels in rows, of the body itself, whatever is drawn for it.
+pub(crate) fn body_truths(eye: &Eye) -> Vec<Option<Truth>> {
+    let camera = &eye.camera;
+    let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);
+    eye.by_pixel(|_, _, direction| {
+        let depth = body.hit(direction, camera.near_m)?;
+        let ecef = camera.eye_ecef + direction * depth;
+        let drawn = on_body(eye, ecef);
+        let place = eye.body.ecef_to_geodetic(ecef);
+        Some(Truth {
+            drawn,
+            body: Some(drawn),
+            levels: wanted_levels(eye, place, direction.length() * depth),
+            is_at_seam: false,
+            holds_pole: false,
+        })
+    })
+}
+
+/// From and to, by how a device may round the distance.
+fn wanted_levels(eye: &Eye, place: Geodetic, distance_m: f64) -> [u32; 2] {
+    [1.0 + LEVEL_ROUNDING, 1.0 - LEVEL_ROUNDING]
+        .map(|share| wanted_level(eye, place, share * distance_m))
 }
 
 fn wanted_level(eye: &Eye, place: Geodetic, distance_m: f64) -> u32 {
@@ -171,26 +203,38 @@ pub(crate) fn finest(truths: &[Option<Truth>]) -> u32 {
     on_map.map(|truth| truth.levels[1]).max().unwrap_or(0)
 }
 
+/// Tiles that hold a place, by each of these levels, and those that `f32` may take it to be in.
+pub(crate) fn tiles_of(
+    place: &WrappedPoint,
+    by_fragment: bool,
+    levels: RangeInclusive<u32>,
+) -> impl Iterator<Item = Tile> {
+    let [u, v] = [place.u, place.mercator_vs[usize::from(by_fragment)]];
+    let beside = move |level: u32| {
+        let step = ROUNDING_TEXELS / (TILE_TEXELS * f64::from(level).exp2());
+        [
+            [0.0, 0.0],
+            [step, 0.0],
+            [-step, 0.0],
+            [0.0, step],
+            [0.0, -step],
+        ]
+        .map(move |[x, y]| (level, u + x, v + y))
+    };
+    levels.flat_map(beside).filter_map(|(level, u, v)| {
+        let v = v.clamp(0.0, 1.0_f64.next_down());
+        MapTile::at(level, u, v).map(Tile::of)
+    })
+}
+
 /// Tiles that a picture shows, sorted, both caps last.
 pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
     let level = options.one_level.then(|| finest(truths));
     let mut tiles = BTreeSet::new();
     for truth in truths.iter().flatten() {
-        let v = truth.drawn.mercator_vs[usize::from(options.by_fragment)];
         let [from, to] = truth.levels;
-        for level in level.map_or(from..=to, |level| level..=level) {
-            let step = ROUNDING_TEXELS / (TILE_TEXELS * f64::from(level).exp2());
-            for [x, y] in [
-                [0.0, 0.0],
-                [step, 0.0],
-                [-step, 0.0],
-                [0.0, step],
-                [0.0, -step],
-            ] {
-                let v = (v + y).clamp(0.0, 1.0_f64.next_down());
-                tiles.extend(MapTile::at(level, truth.drawn.u + x, v).map(Tile::of));
-            }
-        }
+        let levels = level.map_or(from..=to, |level| level..=level);
+        tiles.extend(tiles_of(&truth.drawn, options.by_fragment, levels));
     }
     let caps = [false, true].map(|is_south| Tile::Cap { is_south });
     tiles.into_iter().chain(caps).collect()
