@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Claims of a document, tested by cases of a study. Conditions select the cases. A test is a ratio of two cases,
-//! figures within a bound, or an exponent of growth. What differs between studies is data.
+//! figures within a bound, an exponent of growth, a finding of the chapter, or what needs no run: a sum, or a figure of
+//! a page that a test computes. What differs between studies is data.
 
 use crate::cases::{Cases, log_slope, measured, range};
 use crate::claims::{ClaimAnswer, Paper, PaperError, Tested, claims_blocks, claims_table};
 use crate::comparison::{Answer, Comparison, Follows, overall, sentences};
+use crate::page_claims::{Bound, ClaimSum, PageFigure};
 use crate::settling::bench_command;
 use crate::timings::{band_sentence, sums_by_process};
 use serde::Deserialize;
@@ -12,8 +14,8 @@ use std::collections::BTreeMap;
 use terrafill_plot::number::{figure, significant, times};
 use terrafill_results::threshold::MIN_REPLICATES;
 use terrafill_results::{
-    Block, Case, ChapterError, Claim, Clock, DerivedTable, Estimate, Kind, Metric, Noise, Outcome,
-    Scope, Standing, over_processes, process_medians, typical,
+    Block, Case, ChapterError, Claim, Clock, DerivedTable, Estimate, Finding, Kind, Metric, Noise,
+    Outcome, Scope, Standing, over_processes, process_medians, typical,
 };
 
 /// Conditions by name, each with the values that fit.
@@ -42,18 +44,6 @@ pub struct CaseRatio {
     pub is_summed: bool,
     /// Of the ratio.
     pub expects: Claim,
-}
-
-/// Where figures must lie.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Bound {
-    /// At 0.
-    None,
-    /// At or below this.
-    AtMost(f64),
-    /// Within both, ends included.
-    Between([f64; 2]),
 }
 
 /// A figure of cases, all of which must be within a bound.
@@ -95,6 +85,12 @@ pub enum CaseTest {
     Figures(CaseFigures),
     /// By growth.
     Growth(CaseGrowth),
+    /// By the finding of the chapter whose claim has these words.
+    Finding(String),
+    /// By arithmetic alone.
+    Sum(ClaimSum),
+    /// By a figure of the study's page that tests compute.
+    Page(PageFigure),
     /// Not at all, and why or what would.
     No(String),
 }
@@ -139,6 +135,10 @@ pub struct StudyClaims {
     pub times: &'static [ClaimedTime],
     /// What the study measures.
     pub metrics: &'static [Metric],
+    /// What its chapter finds, for claims that rest on it.
+    pub findings: fn(&Cases<'_>) -> Vec<Finding>,
+    /// The page's name, and its text with tables of figures that a test of the study computes; empty for none.
+    pub page: [&'static str; 2],
 }
 
 /// Each pair, series or figure of a claim, and what it says.
@@ -312,8 +312,17 @@ impl<'a> Evidence<'_, 'a> {
                 let is_long = |(_, cases): &(String, Vec<&Case>)| cases.len() >= 3;
                 is_known(&growth.figure) && !series.is_empty() && series.iter().all(is_long)
             }
-            CaseTest::No(_) => true,
+            CaseTest::Finding(words) => self.finding(words).is_some(),
+            CaseTest::Sum(_) | CaseTest::No(_) => true,
+            CaseTest::Page(of) => of.figure(self.claims.page[1]).is_some(),
         }
+    }
+
+    /// The one finding whose claim has these words; none where several have.
+    fn finding(&self, words: &str) -> Option<Finding> {
+        let found = (self.claims.findings)(self.cases).into_iter();
+        let mut found = found.filter(|finding| finding.claim.contains(words));
+        found.next().filter(|_| found.next().is_none())
     }
 
     fn answer(&self, test: &CaseTest) -> ClaimAnswer {
@@ -334,6 +343,22 @@ impl<'a> Evidence<'_, 'a> {
                 Some((metric, _)) => self.growth(of, metric),
                 None => unknown(&of.figure),
             },
+            CaseTest::Finding(words) => match self.finding(words) {
+                Some(found) if found.standing == Standing::NotMeasured => {
+                    ClaimAnswer::unanswered(Standing::NotMeasured, "its rows are not in this run")
+                }
+                Some(found) => ClaimAnswer {
+                    ours: found.because,
+                    standing: found.standing,
+                    reason: self.open(found.standing),
+                },
+                None => {
+                    let why = "no case of the finding is in this run";
+                    ClaimAnswer::unanswered(Standing::NotMeasured, why)
+                }
+            },
+            CaseTest::Sum(sum) => sum.answer(),
+            CaseTest::Page(of) => of.answer(self.claims.page),
             CaseTest::No(why) => ClaimAnswer::unanswered(Standing::CannotBeTested, why),
         }
     }
@@ -469,37 +494,6 @@ impl<'a> Evidence<'_, 'a> {
         format!(
             "Undecided: the interval reaches beyond the bound, or there is none. To settle it: {command}"
         )
-    }
-}
-
-impl Bound {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::None => value == 0.0,
-            Self::AtMost(most) => value <= most,
-            Self::Between([least, most]) => (least..=most).contains(&value),
-        }
-    }
-
-    /// Of an interval; without one nothing can be told.
-    fn standing(self, interval: Option<[f64; 2]>) -> Standing {
-        let Some(ends) = interval else {
-            return Standing::CannotTell;
-        };
-        let [low, high] = ends;
-        let [is_below, is_above] = match self {
-            Self::None => [false, low > 0.0],
-            Self::AtMost(most) => [false, low > most],
-            Self::Between([least, most]) => [high < least, low > most],
-        };
-        match (
-            ends.iter().all(|end| self.holds(*end)),
-            is_below || is_above,
-        ) {
-            (true, _) => Standing::Holds,
-            (_, true) => Standing::DoesNotHold,
-            _ => Standing::CannotTell,
-        }
     }
 }
 

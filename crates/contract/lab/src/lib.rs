@@ -16,6 +16,7 @@ mod figure;
 mod lines;
 #[cfg(test)]
 mod made_up;
+mod page_claims;
 mod published;
 mod quotations;
 mod section;
@@ -27,9 +28,7 @@ pub use ablation::{
     missing_steps, work_exponent,
 };
 pub use budget::{Contender, cheapest_within, some_of};
-pub use case_claims::{
-    Bound, CaseFigures, CaseGrowth, CaseRatio, CaseTest, ClaimedTime, StudyClaims,
-};
+pub use case_claims::{CaseFigures, CaseGrowth, CaseRatio, CaseTest, ClaimedTime, StudyClaims};
 pub use cases::{
     Best, Cases, distinct, finding, grouped, in_every_group, log_slope, measured, none_differs,
     range,
@@ -41,6 +40,7 @@ pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, is_more, ove
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
+pub use page_claims::{Bound, ClaimSum, PageFigure};
 pub use published::{PublishedRatio, PublishedTable};
 pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
 pub use settling::{

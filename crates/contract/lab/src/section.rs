@@ -281,6 +281,16 @@ impl Section<'_> {
         }
     }
 
+    /// What its own findings say; nothing where no case of it was planned.
+    #[must_use]
+    pub fn found(&self, cases: &Cases<'_>) -> Vec<Finding> {
+        let own = self.select(cases);
+        if own.is_empty() {
+            return Vec::new();
+        }
+        self.findings.iter().map(|of| of(&own)).collect()
+    }
+
     /// Its heading and its blocks; nothing where no case of it was planned.
     ///
     /// # Errors

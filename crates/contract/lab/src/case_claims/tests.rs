@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 
 use super::*;
+use crate::cases::finding;
 use crate::made_up::{TIME, empty};
 use terrafill_results::made_up::case_id;
 use terrafill_results::{Run, Status};
@@ -30,6 +31,13 @@ fn claims(text: &'static str) -> StudyClaims {
             needs: Scope::DRAW,
         }],
         metrics: &ERRORS,
+        findings: |cases| {
+            let all = [("ways are right", cases.sum(ERROR)), ("none", None)];
+            let all =
+                all.map(|(claim, wrong)| finding(claim, wrong.map(|px| px == 0.0), "by rays"));
+            all.into_iter().collect()
+        },
+        page: ["a.md", "Sizes\n\n| | px |\n| --- | --- |\n| one | 4 |\n"],
     }
 }
 
@@ -146,4 +154,33 @@ fn a_case_that_failed_leaves_its_claim_open_and_one_that_a_device_lacks_does_not
     assert_eq!(standing(Status::Skipped), [Standing::Holds; 3]);
     // Negative control.
     assert_eq!(standing(Status::Failed), [Standing::CannotTell; 3]);
+}
+
+#[test]
+fn a_claim_may_rest_on_a_finding_a_sum_or_a_page() {
+    const OTHERS: &str = "source = 'A (2007)'\ndocument = 'a'\nremark = ''\n\
+        [[claim]]\nwords = 'found'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
+        test = { finding = 'are right' }\n\
+        [[claim]]\nwords = 'added'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'a sum'\n\
+        test = { sum = { terms = [[2, 3]], says = 6 } }\n\
+        [[claim]]\nwords = 'tabled'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'a page'\n\
+        test = { page = { below = 'Sizes', row = 'one', column = 'px', is = { at-least = 5 } } }\n\
+        [[claim]]\nwords = 'unknown'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
+        test = { finding = 'are left' }\n\
+        [[claim]]\nwords = 'ambiguous'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
+        test = { finding = 'e' }\n\
+        [[claim]]\nwords = 'open'\nplace = '1'\nbasis = 'observed'\nstudy = 's'\nexperiment = 'ways'\n\
+        test = { finding = 'none' }\n";
+    let (claims, right) = (claims(OTHERS), run_of(2.0, 1.0, 0.0, 1.0));
+    let expected = |of: Standing| {
+        let open = [Standing::NotMeasured; 3];
+        [[of, Standing::Holds, Standing::DoesNotHold], open].concat()
+    };
+    assert_eq!(standings(&claims, &right), expected(Standing::Holds));
+    let cases = Cases::of_study(&right, STUDY);
+    let untestable = claims.untestable(&cases).expect("a paper");
+    assert_eq!(untestable, ["unknown", "ambiguous"]);
+    // Negative control: a wrong pixel.
+    let wrong = run_of(2.0, 1.0, 1.0, 1.0);
+    assert_eq!(standings(&claims, &wrong), expected(Standing::DoesNotHold));
 }

@@ -31,6 +31,8 @@ pub(super) const CLAIMS: StudyClaims = StudyClaims {
         },
     ],
     metrics: &METRICS,
+    findings: |_| Vec::new(),
+    page: [""; 2],
 };
 
 #[cfg(test)]
