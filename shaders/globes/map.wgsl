@@ -1,12 +1,14 @@
 // A surface under tiles of a map: one fragment finds its tile and texel and writes what the texel holds, its own address
-// or a colour. `whole_map` and `whole_picture` find the tile in an array, in one draw; `one_tile`, as published, belongs
-// to one tile and discards every fragment of others.
+// or a colour. `whole_map` and `whole_picture` find the tile in an array, in one draw, and `atlas_map` in a picture with
+// all tiles side by side. `one_tile`, as published, belongs to one tile and discards every fragment of others.
 #import shared/map.wgsl
 
 @group(2) @binding(0) var all_texels: texture_2d_array<u32>;
 @group(2) @binding(1) var all_colours: texture_2d_array<f32>;
 @group(3) @binding(0) var tile_texels: texture_2d<u32>;
 @group(3) @binding(1) var<uniform> tile: vec4<u32>;
+// As many tiles side by side as below each other.
+@group(4) @binding(0) var atlas_texels: texture_2d<u32>;
 
 @fragment
 fn whole_map(in: Varying) -> @location(0) u32 {
@@ -27,6 +29,18 @@ fn whole_picture(in: Varying) -> @location(0) vec4<f32> {
         return vec4<f32>(1.0, 0.0, 1.0, 1.0);
     }
     return textureLoad(all_colours, at.texel, number, 0);
+}
+
+@fragment
+fn atlas_map(in: Varying) -> @location(0) u32 {
+    let at = address(in);
+    let number = tile_number(at.key);
+    if number == arrayLength(&tiles) {
+        return MISSING;
+    }
+    let along = textureDimensions(atlas_texels).x >> 8u;
+    let first = vec2<u32>(number % along, number / along) << vec2<u32>(8u);
+    return textureLoad(atlas_texels, first + at.texel, 0).r;
 }
 
 @fragment

@@ -6,34 +6,56 @@
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 9) out;
 
-layout(location = 0) in float corner_u[];
-layout(location = 0) out float u;
+// From the eye, metres; U and its half-turned twin; V'.
+layout(location = 0) in vec3 corner_relative_m[];
+layout(location = 1) in vec2 corner_us[];
+layout(location = 2) in float corner_v[];
+layout(location = 0) out vec3 relative_m;
+layout(location = 1) out vec2 us;
+layout(location = 2) out float v;
+
+// Everything of a vertex but its U.
+struct Place {
+    vec4 clip;
+    vec3 relative_m;
+    float v;
+};
+
+float corner_u(int i) {
+    return corner_us[i].x;
+}
 
 bool is_split(int i, int j) {
-    return abs(corner_u[i] - corner_u[j]) > LIMIT;
+    return abs(corner_u(i) - corner_u(j)) > LIMIT;
 }
 
 // Place on the edge where U passes 1.
-vec4 inserted(int one, int other) {
-    bool is_high = corner_u[one] > corner_u[other];
+Place inserted(int one, int other) {
+    bool is_high = corner_u(one) > corner_u(other);
     int high = is_high ? one : other;
     int low = is_high ? other : one;
-    float rest = 1.0 - corner_u[high];
-    return mix(gl_in[high].gl_Position, gl_in[low].gl_Position, rest / (rest + corner_u[low]));
+    float rest = 1.0 - corner_u(high);
+    float share = rest / (rest + corner_u(low));
+    return Place(
+        mix(gl_in[high].gl_Position, gl_in[low].gl_Position, share),
+        mix(corner_relative_m[high], corner_relative_m[low], share),
+        mix(corner_v[high], corner_v[low], share));
 }
 
 float side(int i) {
-    return corner_u[i] > 0.5 ? 1.0 : 0.0;
+    return corner_u(i) > 0.5 ? 1.0 : 0.0;
 }
 
-void vertex(vec4 clip, float at) {
-    u = at;
-    gl_Position = clip;
+void vertex(Place place, float u) {
+    relative_m = place.relative_m;
+    us = vec2(u, fract(u + 0.5) - 0.5);
+    v = place.v;
+    gl_Position = place.clip;
     EmitVertex();
 }
 
 void corner(int i) {
-    vertex(gl_in[i].gl_Position, corner_u[i]);
+    vertex(Place(gl_in[i].gl_Position, corner_relative_m[i], corner_v[i]), corner_u(i));
 }
 
 void main() {
@@ -42,8 +64,8 @@ void main() {
         int k = (i + 2) % 3;
         // The corner that is alone on its side.
         if (is_split(i, j) && is_split(i, k) && !is_split(j, k)) {
-            vec4 p = inserted(i, j);
-            vec4 q = inserted(i, k);
+            Place p = inserted(i, j);
+            Place q = inserted(i, k);
             corner(i);
             vertex(p, side(i));
             vertex(q, side(i));
@@ -64,7 +86,7 @@ void main() {
         int k = (i + 2) % 3;
         // One edge alone: what is right on one of its sides is not on the other.
         if (is_split(i, j)) {
-            vec4 p = inserted(i, j);
+            Place p = inserted(i, j);
             corner(i);
             vertex(p, side(i));
             corner(k);

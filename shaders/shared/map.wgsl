@@ -23,9 +23,9 @@ struct MapConstants {
     origins: array<vec4<u32>, 24>,
 };
 
-@group(1) @binding(0) var<uniform> map: MapConstants;
+@group(0) @binding(1) var<uniform> map: MapConstants;
 // Level, row, column, sorted.
-@group(1) @binding(1) var<storage, read> tiles: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> tiles: array<vec4<u32>>;
 const TILE: f32 = 256.0;
 const TAU: f32 = 6.2831853;
 const MAX_LEVEL: f32 = 22.0;

@@ -68,6 +68,7 @@ impl Chapter for GlobesChapter {
         let parts = [
             tiled::SECTION,
             tiled::cells::SECTION,
+            tiled::choose::SECTION,
             tiled::stage::SECTION,
             tiled::picture::SECTION,
             made::SECTION,

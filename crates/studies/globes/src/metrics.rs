@@ -219,6 +219,16 @@ terrafill_results::metrics! {
         "globe_tile_wrong_px",
         "Pixels whose tile is at hand and that show a texel off by more than ½ from their place on the triangle as drawn, or none.",
     );
+    GLOBE_TILE_SPARE = Metric::less(
+        "globe_tile_spare",
+        "",
+        Kind::Counter,
+        "Tiles at hand of which no pixel shows a texel.",
+    );
+    GLOBE_CHOOSE_CPU_MS = Metric::time_ms(
+        "globe_choose_cpu_ms",
+        "Process CPU time of choosing a frame's tiles by what the grid's corners ask for.",
+    ).covering(Scope::PLAN);
     GLOBE_TILE_CROSSING = Metric::quantity("globe_tile_crossing", "Triangles across ±180° that hold no pole.");
     GLOBE_TILE_MISSED = Metric::error("globe_tile_missed", "", "Of them, those that the seam's rule leaves whole.");
     GLOBE_TILE_COUNT = Metric::counter("globe_tile_count", "Tiles that a view needs, two caps among them.");

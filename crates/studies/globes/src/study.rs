@@ -73,6 +73,7 @@ impl Study for GlobesStudy {
                 groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
                 if view.all_cells {
                     groups.push(Box::new(cells::planned(view, sizes, &opened)));
+                    groups.push(Box::new(cells::choosing(view, sizes, &opened)));
                 }
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
             }

@@ -12,7 +12,7 @@ pub(crate) use section::SECTION;
 pub(crate) use section::{PUBLISHED_FPS, published};
 
 use super::options::{Drawing, Options};
-use super::{Tiled, TilesOf};
+use super::{Tiled, TilesOf, choose};
 use crate::list::ViewRow;
 use crate::opened::Opened;
 use std::rc::Rc;
@@ -50,6 +50,16 @@ pub(crate) fn planned(view: &ViewRow, sizes: (u32, u32), opened: &Rc<Opened>) ->
         }
     }
     group
+}
+
+/// Cells along each side of the screen by whose corners tiles are chosen.
+const CHOOSING: [u32; 4] = [5, 10, 20, 40];
+
+/// A view whose tiles are chosen by the corners of each of these grids.
+pub(crate) fn choosing(view: &ViewRow, sizes: (u32, u32), opened: &Rc<Opened>) -> CaseGroup<Tiled> {
+    let options = CHOOSING.map(|n| Options { n, ..Options::BASE });
+    let part = (choose::PART, TilesOf::Corners);
+    Tiled::of_part(part, view, sizes, options.into(), opened)
 }
 
 #[cfg(test)]

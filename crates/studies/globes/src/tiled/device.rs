@@ -3,8 +3,8 @@
 
 use super::mesh::{MapMesh, origin};
 use super::options::{Drawing, Options, Seam};
-use super::tile_set::{Content, Shown, TileSet};
-use super::truth::{MAX_LEVEL, Tile, Truth, finest};
+use super::tile_set::{Content, Shown, TileSet, shown};
+use super::truth::{MAX_LEVEL, Tile, Truth, frame_level};
 use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
@@ -23,7 +23,7 @@ const BINDLESS: &str = "globes/map_bindless.wgsl";
 /// Twin of `MapConstants` in `globes/map.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct MapConstants {
+pub(crate) struct MapConstants {
     origin_u: f32,
     texel_scale: f32,
     end_sine: f32,
@@ -40,7 +40,7 @@ impl MapConstants {
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose; a texel's number is below 2^31"
     )]
-    fn new(eye: &Eye, options: &Options, tiles: usize, level: Option<u32>) -> Self {
+    pub(crate) fn new(eye: &Eye, options: &Options, tiles: usize, level: Option<u32>) -> Self {
         let origin = origin(&eye.body, &eye.camera);
         let mut origins = [[0; 4]; 24];
         for (level, place) in (0..=MAX_LEVEL).zip(&mut origins) {
@@ -78,15 +78,15 @@ impl MapConstants {
 /// Targets, and pipelines that were made for them.
 pub(crate) struct MapTargets {
     canvas: Canvas,
-    /// Of a view, of the map, and of all texels or of one tile's.
-    layouts: [wgpu::BindGroupLayout; 2],
+    /// Of the view, the map and its tiles.
+    layout: wgpu::BindGroupLayout,
     pipelines: BTreeMap<(Drawing, bool), wgpu::RenderPipeline>,
 }
 
 /// One way, ready to draw.
 pub(crate) struct MapScene {
     pipeline: wgpu::RenderPipeline,
-    bind_groups: [wgpu::BindGroup; 2],
+    bind_group: wgpu::BindGroup,
     view: wgpu::Buffer,
     map: wgpu::Buffer,
     vertices: wgpu::Buffer,
@@ -128,11 +128,11 @@ fn texel_entries(
     };
     let view_dimension = match drawing {
         Drawing::Array => wgpu::TextureViewDimension::D2Array,
-        Drawing::DrawEach | Drawing::Bindless => wgpu::TextureViewDimension::D2,
+        Drawing::DrawEach | Drawing::Atlas | Drawing::Bindless => wgpu::TextureViewDimension::D2,
     };
     let count = match drawing {
         Drawing::Bindless => NonZeroU32::new(u32::try_from(count).unwrap_or(u32::MAX)),
-        Drawing::Array | Drawing::DrawEach => None,
+        Drawing::Array | Drawing::Atlas | Drawing::DrawEach => None,
     };
     let mut entries = vec![wgpu::BindGroupLayoutEntry {
         binding: u32::from(is_picture),
@@ -158,10 +158,7 @@ impl MapTargets {
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
         Self {
             canvas: Canvas::new(gpu, size, format),
-            layouts: [
-                gpu.buffer_layout("view", stages, &[uniform]),
-                gpu.buffer_layout("map", stages, &[uniform, storage]),
-            ],
+            layout: gpu.buffer_layout("map", stages, &[uniform, uniform, storage]),
             pipelines: BTreeMap::new(),
         }
     }
@@ -179,14 +176,14 @@ impl MapTargets {
             return Ok(known.clone());
         }
         let gpu = &self.canvas.gpu;
-        let [view, map] = &self.layouts;
         let (path, entry_point, layouts) = match (drawing, is_picture) {
             (Drawing::Array, false) => (MAP, "whole_map", vec![Some(texels)]),
             (Drawing::Array, true) => (MAP, "whole_picture", vec![Some(texels)]),
+            (Drawing::Atlas, _) => (MAP, "atlas_map", vec![None, None, Some(texels)]),
             (Drawing::DrawEach, _) => (MAP, "one_tile", vec![None, Some(texels)]),
             (Drawing::Bindless, _) => (BINDLESS, "every_tile", vec![Some(texels)]),
         };
-        let mut all = vec![Some(view), Some(map)];
+        let mut all = vec![Some(&self.layout), None];
         all.extend(layouts);
         let layout = gpu.pipeline_layout(entry_point, &all);
         let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x2, 2 => Float32];
@@ -228,25 +225,22 @@ impl MapTargets {
         let map = uniform::<MapConstants>(&gpu, "map constants");
         let bytes = bytemuck::cast_slice(&keys);
         let list = gpu.upload("tiles", bytes, wgpu::BufferUsages::STORAGE)?;
-        let [view_layout, map_layout] = &self.layouts;
-        let bind_groups = [
-            gpu.bind_buffers("view", view_layout, &[&view]),
-            gpu.bind_buffers("map", map_layout, &[&map, &list]),
-        ];
+        let bind_group = gpu.bind_buffers("map", &self.layout, &[&view, &map, &list]);
         Ok(MapScene {
             pipeline,
-            bind_groups,
+            bind_group,
             view,
             map,
             vertices: vertex_buffer(&gpu, 4),
             count: 0,
             group: match options.drawing {
+                Drawing::Atlas => 4,
                 Drawing::DrawEach => 3,
                 Drawing::Array | Drawing::Bindless => 2,
             },
             texels: texels(&gpu, &layout, &set, (options.drawing, entries[0].binding))?,
             set,
-            level: options.one_level.then(|| finest(truths)),
+            level: frame_level(truths, options),
         })
     }
 
@@ -282,9 +276,7 @@ impl MapTargets {
         let mut encoder = self.canvas.frame();
         self.canvas.record(&mut encoder, |pass| {
             pass.set_pipeline(&scene.pipeline);
-            for (at, bound) in (0..).zip(&scene.bind_groups) {
-                pass.set_bind_group(at, bound, &[]);
-            }
+            pass.set_bind_group(0, &scene.bind_group, &[]);
             pass.set_vertex_buffer(0, scene.vertices.slice(..));
             for texels in &scene.texels {
                 pass.set_bind_group(scene.group, texels, &[]);
@@ -298,7 +290,7 @@ impl MapTargets {
     pub(crate) fn shown(&self, scene: &MapScene) -> Result<Vec<Shown>, DeviceError> {
         let values: Vec<u32> = self.canvas.read()?;
         let values = values.into_iter();
-        Ok(values.map(|value| scene.set.shown(value)).collect())
+        Ok(values.map(|value| shown(&scene.set.tiles, value)).collect())
     }
 
     /// Colours in rows; 0 where no surface is.
@@ -328,6 +320,11 @@ fn texels(
     match drawing {
         Drawing::Array => {
             let all = set.view(0, None);
+            let resource = wgpu::BindingResource::TextureView(&all);
+            Ok(vec![bind(&[entry(binding, resource)])])
+        }
+        Drawing::Atlas => {
+            let all = set.view(0, Some(0));
             let resource = wgpu::BindingResource::TextureView(&all);
             Ok(vec![bind(&[entry(binding, resource)])])
         }

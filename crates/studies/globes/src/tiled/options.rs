@@ -49,6 +49,8 @@ terrafill_results::named! {
         DrawEach = "draw-each",
         /// In one draw, from an array of all tiles.
         Array = "array",
+        /// In one draw, from one picture with all tiles side by side.
+        Atlas = "atlas",
         /// In one draw, from as many textures as there are tiles, chosen by each fragment.
         Bindless = "bindless",
     }
@@ -63,8 +65,8 @@ pub(crate) struct Options {
     pub(crate) drawing: Drawing,
     /// Whether Mercator's V' is made by each fragment, and not by each vertex.
     pub(crate) by_fragment: bool,
-    /// Whether the finest level that a pixel of the frame asks for holds for all of it.
-    pub(crate) one_level: bool,
+    /// One level for the whole frame: so many below the finest that a pixel of it asks for. `None`: by pixel.
+    pub(crate) one_level: Option<u32>,
 }
 
 impl Options {
@@ -74,7 +76,7 @@ impl Options {
         seam: Seam::Split(0.5),
         drawing: Drawing::Array,
         by_fragment: false,
-        one_level: false,
+        one_level: None,
     };
 
     /// What tells a case from others of its view.
@@ -84,14 +86,22 @@ impl Options {
         } else {
             "vertex"
         };
-        let level = if self.one_level { "frame" } else { "pixel" };
         [
             (CELLS, self.n.to_string()),
             (SEAM, self.seam.name()),
             (TILES, self.drawing.name().to_owned()),
             (MERCATOR, mercator.to_owned()),
-            (LEVEL, level.to_owned()),
+            (LEVEL, self.level_name()),
         ]
+    }
+
+    /// In cases.
+    pub(crate) fn level_name(&self) -> String {
+        match self.one_level {
+            None => "pixel".to_owned(),
+            Some(0) => "frame".to_owned(),
+            Some(below) => format!("frame-{below}"),
+        }
     }
 
     /// What a view is drawn by.
@@ -110,9 +120,12 @@ impl Options {
             by_fragment: true,
             ..base
         });
-        all.extend([Drawing::DrawEach, Drawing::Bindless].map(|drawing| Self { drawing, ..base }));
+        all.extend(
+            [Drawing::DrawEach, Drawing::Atlas, Drawing::Bindless]
+                .map(|drawing| Self { drawing, ..base }),
+        );
         all.push(Self {
-            one_level: true,
+            one_level: Some(0),
             ..base
         });
         if is_quick {

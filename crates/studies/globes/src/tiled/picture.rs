@@ -48,6 +48,9 @@ const VIEWS: [&str; 5] = [
 ];
 /// Cells along each side of the screen: what the map shows is within a few pixels there.
 const CELLS: u32 = 40;
+/// Whose area is drawn in several levels, as in Figure 1, and by how many each is below the finest that a pixel asks for.
+const LEVELS_OF: &str = "nadir-1161km-32.5";
+const LEVELS: [u32; 3] = [4, 2, 0];
 
 /// The picture of the shipped scene, and the files that it was read from.
 ///
@@ -64,7 +67,7 @@ pub(crate) fn blue_marble(
 
 /// Views of the map under a picture.
 pub(crate) struct Pictured {
-    views: Vec<ViewRow>,
+    works: Vec<(ViewRow, Options)>,
     side_px: u32,
     picture: Arc<MipChain>,
     opened: Rc<Opened>,
@@ -79,20 +82,37 @@ impl Pictured {
         opened: &Rc<Opened>,
     ) -> CaseGroup<Self> {
         let names: &[&str] = if is_quick { &QUICK_VIEWS } else { &VIEWS };
-        let views: Vec<ViewRow> = views
+        let views = views
             .iter()
-            .filter(|view| names.contains(&view.name.as_str()))
-            .cloned()
-            .collect();
-        let cases = views.iter().map(|view| {
+            .filter(|view| names.contains(&view.name.as_str()));
+        let options = Options {
+            n: CELLS,
+            ..Options::BASE
+        };
+        let works = views.flat_map(|view| {
+            let below: &[u32] = if view.name == LEVELS_OF { &LEVELS } else { &[] };
+            let levels = std::iter::once(None).chain(below.iter().copied().map(Some));
+            levels.map(|one_level| {
+                (
+                    view.clone(),
+                    Options {
+                        one_level,
+                        ..options
+                    },
+                )
+            })
+        });
+        let works: Vec<(ViewRow, Options)> = works.collect();
+        let cases = works.iter().map(|(view, options)| {
             let conditions = [
                 (metrics::PART, PART.to_owned()),
                 (VIEW, view.name.clone()),
                 (metrics::CELLS, CELLS.to_string()),
+                (metrics::LEVEL, options.level_name()),
                 (SIZE_PX, side_px.to_string()),
             ];
             PlannedCase {
-                id: CaseId::new(STUDY, format!("{PART}/{}", view.name), conditions),
+                id: CaseId::new(STUDY, name(view, options, "/"), conditions),
                 samples,
                 may_be_wrong: false,
             }
@@ -102,7 +122,7 @@ impl Pictured {
             cases: cases.collect(),
             warm_up: None,
             work: Self {
-                views,
+                works,
                 side_px,
                 picture,
                 opened: Rc::clone(opened),
@@ -116,6 +136,15 @@ impl Pictured {
                 }))
             },
         }
+    }
+}
+
+/// Of a case, or of its picture's file.
+fn name(view: &ViewRow, options: &Options, between: &str) -> String {
+    let name = format!("{PART}{between}{}", view.name);
+    match options.one_level {
+        None => name,
+        Some(_) => format!("{name}{between}level-{}", options.level_name()),
     }
 }
 
@@ -206,7 +235,7 @@ fn judge(
 
 impl PicturePart<'_> {
     fn eye(&self, case: usize) -> Eye {
-        self.group.views[case].eye(self.group.side_px)
+        self.group.works[case].0.eye(self.group.side_px)
     }
 }
 
@@ -218,26 +247,23 @@ impl Session for PicturePart<'_> {
         let [of_addresses, of_colours] = targets.get_or_insert_with(|| {
             [ADDRESSES, COLOURS].map(|format| MapTargets::new(&gpu, eye.size, format))
         });
-        let options = Options {
-            n: CELLS,
-            ..Options::BASE
-        };
+        let (view, options) = &self.group.works[case];
         let surface = grid(&self.group.opened, options.n)?;
         let frame = surface.frame(&eye.camera, eye.size)?;
-        let mesh = map_mesh(&eye.body, &eye.camera, &frame, &options);
+        let mesh = map_mesh(&eye.body, &eye.camera, &frame, options);
         let truths = truths(&eye, &frame);
-        let all = tiles(&truths, &options);
+        let all = tiles(&truths, options);
         let picture = &self.group.picture;
         let cut: Vec<Vec<u8>> = all.iter().map(|tile| cut(picture, *tile)).collect();
         let by_tile = all.iter().copied().zip(cut.iter().cloned()).collect();
         let content = (all.clone(), Content::Addresses);
-        let mut scene = of_addresses.scene(&options, &truths, content)?;
-        of_addresses.send(&mut scene, &eye, &options, &mesh);
+        let mut scene = of_addresses.scene(options, &truths, content)?;
+        of_addresses.send(&mut scene, &eye, options, &mesh);
         of_addresses.draw(&scene)?;
         let shown = of_addresses.shown(&scene)?;
         let content = (all, Content::Colours(cut));
-        let mut scene = of_colours.scene(&options, &truths, content)?;
-        let sent = of_colours.send(&mut scene, &eye, &options, &mesh);
+        let mut scene = of_colours.scene(options, &truths, content)?;
+        let sent = of_colours.send(&mut scene, &eye, options, &mesh);
         of_colours.draw(&scene)?;
         let colours = of_colours.colours()?;
         let whole = levels(picture)[0];
@@ -262,7 +288,7 @@ impl Session for PicturePart<'_> {
                 "{wrong} of {of} pixels have another colour than the texel that they show, allowed 0"
             ),
         };
-        let name = format!("{PART}-{}", self.group.views[case].name);
+        let name = name(view, options, "-");
         let size = [eye.size.width, eye.size.height];
         let pixels = colours.iter().map(|[rgb @ .., _]| *rgb);
         let path = write_png(self.context.folder, &name, size, pixels)?;

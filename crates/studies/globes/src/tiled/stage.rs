@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Triangles across ±180° split by a geometry shader, as published, and by the CPU, on Vulkan. Each pixel shows its U in
-//! 24 bits, which is held against U in one piece over the triangle, in `f64`.
+//! Triangles across ±180° split by a geometry shader, as published, and by the CPU, on Vulkan, under tiles of a map. Each
+//! texel holds its own address in 24 bits, so that a picture says which texel every pixel shows.
 
 mod section;
 
 pub(crate) use section::SECTION;
 
+use super::device::MapConstants;
 use super::mesh::{MapMesh, MapVertex, map_mesh};
 use super::options::{Options, Seam};
-use super::truth::{Truth, truths};
-use super::{ALLOWED_TEXELS, grid};
+use super::tile_set::{SIDE, Shown, address, shown};
+use super::truth::{Tile, Truth, tiles, truths};
+use super::{ALLOWED_TEXELS, grid, judge};
 use crate::STUDY;
 use crate::canvas::view_constants;
 use crate::clock::FrameWatch;
@@ -20,12 +22,12 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture, ViewConstants};
-use terrafill_maps::TILE_TEXELS;
-use terrafill_results::{CaseId, PlannedCase, Verdict};
+use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged};
 use terrafill_vulkan::{
-    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu, Measured,
-    PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology, VertexFormat,
+    BlockImage, Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu,
+    ImageShape, Measured, PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology,
+    VertexFormat,
 };
 
 /// Name of this part in cases.
@@ -66,8 +68,8 @@ impl Splitter {
         Some(GeometryOutput {
             name,
             vertices: 9,
-            // A position, and U, whose location counts as a whole of four.
-            components: 8,
+            // A position, the place from the eye, U with its twin, and V': each location counts as a whole of four.
+            components: 16,
         })
     }
 
@@ -128,6 +130,7 @@ impl Stages {
                     context,
                     targets: None,
                     truths: None,
+                    tiles: None,
                     ready: BTreeMap::new(),
                 }))
             },
@@ -145,44 +148,49 @@ impl Stages {
 struct Ready {
     pipeline: DrawPipeline,
     view: Arc<Buffer>,
+    map: Arc<Buffer>,
     vertices: Arc<Buffer>,
 }
+
+/// Tiles, and their texels.
+type TileImage = (Vec<Tile>, Arc<BlockImage>);
 
 struct StagePart<'a> {
     group: &'a Stages,
     context: Context<'a>,
     targets: Option<RenderTargets>,
     truths: Option<Rc<Vec<Option<Truth>>>>,
+    tiles: Option<Rc<TileImage>>,
     ready: BTreeMap<usize, Ready>,
 }
 
-/// Pixels beside the seam, those off by more than half a texel, and the largest error of those whose triangle holds no
-/// pole, texels of the level that each pixel asks for.
-fn judge(truths: &[Option<Truth>], picture: &Picture) -> [f64; 3] {
-    let (mut beside, mut wrong, mut worst) = (0.0, 0.0, 0.0_f64);
-    for (truth, pixel) in truths.iter().zip(picture.rgba.chunks_exact(4)) {
-        let Some(truth) = truth.filter(|truth| !truth.holds_pole && truth.drawn.cap.is_none())
-        else {
-            continue;
-        };
-        let [r, g, b, a] = [0, 1, 2, 3].map(|i| u32::from(pixel[i]));
-        let shown = f64::from((r << 16) | (g << 8) | b) + 0.5;
-        let off = shown / 2_f64.powi(24) - truth.drawn.u;
-        let side = TILE_TEXELS * f64::from(truth.levels[1]).exp2();
-        let texels = match a {
-            0 => f64::INFINITY,
-            _ => (off - off.round()).abs() * side,
-        };
-        // A pixel at the limb that rays meet and the device does not draw is none of the seam's.
-        if texels.is_finite() {
-            worst = worst.max(texels);
-        }
-        if truth.is_at_seam {
-            beside += 1.0;
-            wrong += f64::from(u8::from(texels > ALLOWED_TEXELS));
-        }
+/// Tiles that 24 bits number, with 0 left out.
+const MAX_TILES: u64 = 255;
+
+/// What each pixel shows: alpha says whether there is a surface.
+fn shown_by(picture: &Picture, tiles: &[Tile]) -> Vec<Shown> {
+    let pixels = picture.rgba.chunks_exact(4);
+    let of_pixel = |pixel: &[u8]| match [0, 1, 2, 3].map(|i| u32::from(pixel[i])) {
+        [.., 0] => Shown::Nothing,
+        [0, 0, 0, _] => Shown::Missing,
+        [r, g, b, _] => shown(tiles, r << 16 | g << 8 | b),
+    };
+    pixels.map(of_pixel).collect()
+}
+
+/// Tiles whose texels hold their address.
+fn layers(gpu: &Arc<Gpu>, tiles: &[Tile]) -> Result<BlockImage, DeviceError> {
+    DeviceError::check_capacity("tiles that 24 bits number", tiles.len() as u64, MAX_TILES)?;
+    let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
+    let image = BlockImage::new(gpu, [SIDE; 2], ImageShape::Array(count))?;
+    for tile in 0..count {
+        // Below 2^24.
+        let texels: Vec<f32> = (0..SIDE * SIDE)
+            .map(|texel| address(tile, texel) as f32)
+            .collect();
+        image.write([0, 0, tile], [SIDE; 2], &texels)?;
     }
-    [beside, wrong, worst]
+    Ok(image)
 }
 
 impl StagePart<'_> {
@@ -205,23 +213,35 @@ impl StagePart<'_> {
         gpu: &Arc<Gpu>,
         splitter: Splitter,
         count: usize,
+        tiles: &TileImage,
     ) -> Result<Ready, DeviceError> {
         if self.targets.is_none() {
             self.targets = Some(RenderTargets::new(gpu, self.group.eye.size)?);
         }
-        let bytes = size_of::<ViewConstants>() as u64;
-        let view = Arc::new(Buffer::streamed(
-            gpu,
+        let buffer = |what, bytes: usize, of| -> Result<Arc<Buffer>, DeviceError> {
+            Ok(Arc::new(Buffer::streamed(gpu, what, bytes as u64, of)?))
+        };
+        let view = buffer(
             "view constants",
-            bytes,
+            size_of::<ViewConstants>(),
             BufferUse::Uniform,
-        )?);
-        let bytes = (count * size_of::<MapVertex>()) as u64;
-        let vertices = Buffer::streamed(gpu, "map vertices", bytes, BufferUse::Storage)?;
-        let vertices = Arc::new(vertices);
+        )?;
+        let map = buffer(
+            "map constants",
+            size_of::<MapConstants>(),
+            BufferUse::Uniform,
+        )?;
+        let keys: Vec<[u32; 4]> = tiles.0.iter().map(|tile| tile.key()).collect();
+        let list = buffer("tiles", size_of_val(keys.as_slice()), BufferUse::Storage)?;
+        list.stream(bytemuck::cast_slice(&keys))?;
+        let bytes = count * size_of::<MapVertex>();
+        let vertices = buffer("map vertices", bytes, BufferUse::Storage)?;
         let resources = vec![
             Resource::Uniform(Arc::clone(&view)),
+            Resource::Uniform(Arc::clone(&map)),
+            Resource::Storage(list),
             Resource::Storage(Arc::clone(&vertices)),
+            Resource::Blocks(Arc::clone(&tiles.1)),
         ];
         let resources = Resources::new(gpu, resources)?;
         let shader = |entry_point| Shader::Wgsl {
@@ -229,14 +249,15 @@ impl StagePart<'_> {
             entry_point,
         };
         let stages = PrimitiveStages::Vertices {
-            vertex: shader("vertex_main"),
+            vertex: shader("pulled_vertex"),
             geometry: splitter.shader(),
             format: VertexFormat::Number,
             topology: Topology::Triangles,
         };
         Ok(Ready {
-            pipeline: DrawPipeline::new(gpu, &resources, stages, shader("fragment_main"))?,
+            pipeline: DrawPipeline::new(gpu, &resources, stages, shader("addressed"))?,
             view,
+            map,
             vertices,
         })
     }
@@ -244,12 +265,17 @@ impl StagePart<'_> {
     fn draw(
         &mut self,
         ready: &Ready,
+        splitter: Splitter,
         vertices: &[MapVertex],
         measured: Measured,
     ) -> Result<Option<f64>, DeviceError> {
+        let eye = &self.group.eye;
         ready
             .view
-            .stream(bytemuck::bytes_of(&view_constants(&self.group.eye)))?;
+            .stream(bytemuck::bytes_of(&view_constants(eye)))?;
+        let count = self.tiles.as_ref().map_or(0, |tiles| tiles.0.len());
+        let map = MapConstants::new(eye, &Stages::options(splitter), count, None);
+        ready.map.stream(bytemuck::bytes_of(&map))?;
         ready.vertices.stream(bytemuck::cast_slice(vertices))?;
         let count = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
         let whole = 0..count;
@@ -270,28 +296,42 @@ impl Session for StagePart<'_> {
         let (mesh, truths) = self.mesh(splitter)?;
         let truths = Rc::clone(self.truths.get_or_insert_with(|| Rc::new(truths)));
         let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
-        let ready = self.open(&gpu, splitter, mesh.vertices.len())?;
-        self.draw(&ready, &mesh.vertices, Measured::Nothing)?;
+        let options = Stages::options(splitter);
+        let tiles = if let Some(known) = &self.tiles {
+            Rc::clone(known)
+        } else {
+            let tiles = tiles(&truths, &options);
+            let image = layers(&gpu, &tiles)?;
+            Rc::new((tiles, Arc::new(image)))
+        };
+        self.tiles = Some(Rc::clone(&tiles));
+        let ready = self.open(&gpu, splitter, mesh.vertices.len(), &tiles)?;
+        self.draw(&ready, splitter, &mesh.vertices, Measured::Nothing)?;
         let targets = self.targets.as_ref();
         let picture = targets
             .ok_or(DeviceError::Missing("targets of the seam"))?
             .read()?;
-        let [beside, wrong, worst] = judge(&truths, &picture);
+        let at_hand = tiles.0.iter().copied().collect();
+        let found = judge(&truths, &shown_by(&picture, &tiles.0), &options, &at_hand);
+        let (beside, wrong) = (found.seam_px, found.seam_wrong_px);
         self.ready.insert(case, ready);
         let sent = std::mem::size_of_val(mesh.vertices.as_slice());
         let mut figures = vec![
-            ("globe_tile_seam_px", beside),
-            ("globe_tile_seam_wrong_px", wrong),
-            ("globe_tile_texels_max", worst),
+            ("globe_tile_px", found.drawn.len() as f64),
+            ("globe_tile_seam_px", beside as f64),
+            ("globe_tile_seam_wrong_px", wrong as f64),
+            ("globe_tile_missing_px", found.missing_px as f64),
+            ("globe_tile_count", tiles.0.len() as f64),
             ("globe_tile_crossing", mesh.crossing as f64),
             ("globe_triangles", (mesh.vertices.len() / 3) as f64),
             ("globe_upload_bytes", sent as f64),
         ];
+        figures.extend(quantile(&found.drawn, 1.0).map(|worst| ("globe_tile_texels_max", worst)));
         // What a geometry shader leaves whole nobody counts but it.
         if splitter.shader().is_none() {
             figures.push(("globe_tile_missed", mesh.missed as f64));
         }
-        let reason = if wrong > 0.0 {
+        let reason = if wrong > 0 {
             format!(
                 "{wrong} of {beside} pixels beside ±180° are off by more than {ALLOWED_TEXELS} texel, allowed 0"
             )
@@ -307,7 +347,7 @@ impl Session for StagePart<'_> {
         let mut watch = FrameWatch::start();
         let (mesh, _) = self.mesh(Splitter::ALL[case])?;
         watch.ends("globe_make_cpu_ms");
-        let gpu_ms = self.draw(&ready, &mesh.vertices, Measured::Times);
+        let gpu_ms = self.draw(&ready, Splitter::ALL[case], &mesh.vertices, Measured::Times);
         self.ready.insert(case, ready);
         Ok(watch.drawn(gpu_ms?))
     }

@@ -5,6 +5,7 @@
 use super::options::Drawing;
 use super::truth::{Texel, Tile};
 use crate::canvas::{texture, write_layers};
+use std::borrow::Cow;
 use std::ops::Range;
 use terrafill_contract::DeviceError;
 use terrafill_gpu::Gpu;
@@ -53,6 +54,11 @@ fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), Devic
             "tiles of the map in one array",
             limits.max_texture_array_layers,
         ),
+        Drawing::Atlas => {
+            let along = u64::from(limits.max_texture_dimension_2d / SIDE);
+            let most = (along * along).min(MAX_TILES);
+            return DeviceError::check_capacity("tiles of the map in an atlas", found as u64, most);
+        }
         Drawing::Bindless => {
             let needed = wgpu::Features::TEXTURE_BINDING_ARRAY
                 | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
@@ -68,26 +74,74 @@ fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), Devic
     DeviceError::check_capacity(what, found as u64, u64::from(allowed).min(MAX_TILES))
 }
 
+impl Content {
+    fn format(&self) -> wgpu::TextureFormat {
+        match self {
+            Self::Addresses => ADDRESSES,
+            Self::Colours(_) => COLOURS,
+        }
+    }
+
+    /// Texels of a tile.
+    fn texels(&self, tile: u32) -> Cow<'_, [u8]> {
+        match self {
+            Self::Addresses => {
+                let addresses = (0..SIDE * SIDE).map(|texel| address(tile, texel));
+                let addresses: Vec<u32> = addresses.collect();
+                bytemuck::pod_collect_to_vec(&addresses).into()
+            }
+            Self::Colours(tiles) => tiles[tile as usize].as_slice().into(),
+        }
+    }
+}
+
+/// Tiles along a side of an atlas.
+fn atlas_side(tiles: u32) -> u32 {
+    let along = tiles.isqrt();
+    along + u32::from(along * along < tiles)
+}
+
+/// One picture with all tiles, row by row.
+fn of_atlas(gpu: &Gpu, content: &Content, count: u32) -> wgpu::Texture {
+    let along = atlas_side(count);
+    let texture = texture(
+        gpu,
+        "atlas of the map",
+        [SIDE * along, SIDE * along, 1],
+        content.format(),
+    );
+    for tile in 0..count {
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                origin: wgpu::Origin3d {
+                    x: SIDE * (tile % along),
+                    y: SIDE * (tile / along),
+                    z: 0,
+                },
+                ..texture.as_image_copy()
+            },
+            &content.texels(tile),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * SIDE),
+                rows_per_image: Some(SIDE),
+            },
+            wgpu::Extent3d {
+                width: SIDE,
+                height: SIDE,
+                depth_or_array_layers: 1,
+            },
+        );
+    }
+    texture
+}
+
 /// - `layers`: whose number each tile has
 fn of_layers(gpu: &Gpu, content: &Content, layers: Range<u32>) -> wgpu::Texture {
-    let format = match content {
-        Content::Addresses => ADDRESSES,
-        Content::Colours(_) => COLOURS,
-    };
     let size = [SIDE, SIDE, layers.end - layers.start];
-    let texture = texture(gpu, "tiles of the map", size, format);
+    let texture = texture(gpu, "tiles of the map", size, content.format());
     for (z, layer) in (0..).zip(layers) {
-        let addresses: Vec<u32>;
-        let texels: &[u8] = match content {
-            Content::Addresses => {
-                addresses = (0..SIDE * SIDE)
-                    .map(|texel| (layer + 1) << 16 | texel)
-                    .collect();
-                bytemuck::cast_slice(&addresses)
-            }
-            Content::Colours(tiles) => &tiles[layer as usize],
-        };
-        write_layers(gpu, &texture, z, texels);
+        write_layers(gpu, &texture, z, &content.texels(layer));
     }
     texture
 }
@@ -108,6 +162,7 @@ impl TileSet {
         let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
         let textures = match drawing {
             Drawing::Array | Drawing::DrawEach => vec![of_layers(gpu, content, 0..count)],
+            Drawing::Atlas => vec![of_atlas(gpu, content, count)],
             Drawing::Bindless => (0..count)
                 .map(|tile| of_layers(gpu, content, tile..tile + 1))
                 .collect(),
@@ -127,22 +182,28 @@ impl TileSet {
             ..Default::default()
         })
     }
+}
 
-    /// What a value says.
-    pub(crate) fn shown(&self, value: u32) -> Shown {
-        match value {
-            0 => Shown::Nothing,
-            MISSING => Shown::Missing,
-            value => {
-                let tile = self.tiles.get((value >> 16) as usize - 1);
-                tile.map_or(Shown::Missing, |&tile| {
-                    Shown::Texel(Texel {
-                        tile,
-                        x: value & 255,
-                        y: value >> 8 & 255,
-                    })
+/// What a value says of these tiles.
+pub(crate) fn shown(tiles: &[Tile], value: u32) -> Shown {
+    match value {
+        0 => Shown::Nothing,
+        MISSING => Shown::Missing,
+        value => {
+            let number = (value >> 16).checked_sub(1);
+            let tile = number.and_then(|number| tiles.get(number as usize));
+            tile.map_or(Shown::Missing, |&tile| {
+                Shown::Texel(Texel {
+                    tile,
+                    x: value & 255,
+                    y: value >> 8 & 255,
                 })
-            }
+            })
         }
     }
+}
+
+/// What a tile's texel holds that has its own address.
+pub(crate) fn address(tile: u32, texel: u32) -> u32 {
+    (tile + 1) << 16 | texel
 }

@@ -47,7 +47,7 @@ impl Tile {
         clippy::cast_possible_truncation,
         reason = "levels up to 22 have no more than 2^22 columns"
     )]
-    fn of(tile: MapTile) -> Self {
+    pub(crate) fn of(tile: MapTile) -> Self {
         Self::Map {
             level: tile.level,
             row: tile.row as u32,
@@ -194,13 +194,15 @@ fn wanted_level(eye: &Eye, place: Geodetic, distance_m: f64) -> u32 {
     level_of(&eye.body, place.latitude_rad, eye.focal_px(), distance_m).min(MAX_LEVEL)
 }
 
-/// The finest level that a pixel of the map asks for.
-pub(crate) fn finest(truths: &[Option<Truth>]) -> u32 {
+/// The level of a whole frame, where it has one: by the finest that a pixel of the map asks for.
+pub(crate) fn frame_level(truths: &[Option<Truth>], options: &Options) -> Option<u32> {
+    let below = options.one_level?;
     let on_map = truths
         .iter()
         .flatten()
         .filter(|truth| truth.drawn.cap.is_none());
-    on_map.map(|truth| truth.levels[1]).max().unwrap_or(0)
+    let finest = on_map.map(|truth| truth.levels[1]).max().unwrap_or(0);
+    Some(finest.saturating_sub(below))
 }
 
 /// Tiles that hold a place, by each of these levels, and those that `f32` may take it to be in.
@@ -229,7 +231,7 @@ pub(crate) fn tiles_of(
 
 /// Tiles that a picture shows, sorted, both caps last.
 pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
-    let level = options.one_level.then(|| finest(truths));
+    let level = frame_level(truths, options);
     let mut tiles = BTreeSet::new();
     for truth in truths.iter().flatten() {
         let [from, to] = truth.levels;

@@ -33,6 +33,26 @@ fn every_number_of_cells_draws_from_the_same_tiles_and_shows_what_it_should() {
     });
 }
 
+#[test]
+fn chosen_tiles_are_drawn_and_a_frame_chooses_the_same_again() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let opened = Rc::new(Opened::new(&[&ScreenGridKind]));
+        let group = choosing(&tiled_view("globe-antimeridian"), (160, 1), &opened);
+        let mut session = group.open(context).expect("opens");
+        for (case, options) in group.work.options.iter().enumerate() {
+            let verdict = on_device::verdict(&mut *session, case, options);
+            assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
+            assert_eq!(figure(&verdict, "globe_tile_wrong_px"), 0.0);
+            // With enough corners hardly a pixel is nearer than all of its own.
+            let share =
+                figure(&verdict, "globe_tile_missing_px") / figure(&verdict, "globe_tile_px");
+            assert!(options.n < 20 || share < 0.01, "{share}");
+            let times = session.time(case).expect("times");
+            assert!(times.iter().any(|(name, _)| *name == "globe_choose_cpu_ms"));
+        }
+    });
+}
+
 /// Findings and blocks on frames of 10 ms that grow by `us` a triangle, in `processes`.
 fn section(us: f64, processes: usize) -> (Vec<Finding>, Vec<Block>) {
     let opened = Rc::new(Opened::new(&[&ScreenGridKind]));

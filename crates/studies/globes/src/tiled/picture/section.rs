@@ -12,9 +12,10 @@ pub(crate) const SECTION: Section<'static> = Section {
     text: "NASA's picture, by longitude and latitude, is cut into Web Mercator tiles and two caps, and drawn from an \
            array over 40 × 40 cells. Each pixel must have the colour of the texel that tiles with addresses say it \
            shows. The difference from the whole picture at the pixel's place on the body, in bytes of 255, is that \
-           of resampling and of the grid.",
+           of resampling and of the grid. One area is drawn in three levels, as in Figure 1 of StuCoSReC 2018: by the \
+           finest that a pixel asks for (“frame”), and by two and four below it.",
     cases: Select::With(metrics::PART, PART),
-    named_by: Names::Columns(&[("view", VIEW)]),
+    named_by: Names::Columns(&[("view", VIEW), ("level by", LEVEL)]),
     columns: &[
         Column::metric("px with a texel", GLOBE_TILE_PX),
         Column::metric("of another colour", GLOBE_TILE_COLOUR_WRONG_PX),

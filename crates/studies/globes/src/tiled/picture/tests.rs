@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::list::List;
-use crate::on_device::on_device;
+use crate::on_device::{figure, on_device};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_study::Group as _;
@@ -36,6 +36,28 @@ fn colours_are_those_of_the_texels_and_a_changed_tile_shows() {
             assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
             assert!(session.time(case).is_ok());
         }
+    });
+}
+
+#[test]
+fn one_area_is_drawn_in_three_levels() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let list = List::shipped().expect("a list");
+        let opened = Rc::new(Opened::new(KINDS));
+        let group = Pictured::planned(&list.tiled_view, (96, 1), false, made_up(), &opened);
+        assert_eq!(group.cases.len(), VIEWS.len() + LEVELS.len());
+        let mut session = group.open(context).expect("opens");
+        let cases = group.work.works.iter().enumerate();
+        let of_frame = cases.filter(|(_, (_, options))| options.one_level.is_some());
+        let counts = of_frame.map(|(case, _)| {
+            let verdict = session.verify(case).expect("a verdict");
+            assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
+            figure(&verdict, "globe_tile_count")
+        });
+        // From the coarsest on; a level more has up to four times the tiles.
+        let counts: Vec<f64> = counts.collect();
+        assert_eq!(counts.len(), LEVELS.len());
+        assert!(counts.is_sorted() && counts[0] < counts[2], "{counts:?}");
     });
 }
 

@@ -9,8 +9,9 @@ use terrafill_results::Finding;
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "The seam split by a geometry shader and by the CPU",
-    text: "On Vulkan, 10 × 10 cells; a pixel shows its U in 24 bits. The geometry shader is the published one; the CPU \
-           splits by the same rule before vertices are sent.",
+    text: "On Vulkan, 10 × 10 cells under tiles whose texels hold their own address in 24 bits. The geometry shader is the \
+           published one: to each inserted vertex it gives its place, U and V'. The CPU splits by the same rule before \
+           vertices are sent.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("view", VIEW),
@@ -24,6 +25,8 @@ pub(crate) const SECTION: Section<'static> = Section {
         Column::metric("px at the seam", GLOBE_TILE_SEAM_PX),
         Column::metric("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX),
         Column::metric("texels, largest", GLOBE_TILE_TEXELS_MAX),
+        Column::metric("px without a tile", GLOBE_TILE_MISSING_PX),
+        Column::metric("tiles", GLOBE_TILE_COUNT),
         FRAME,
         Column::metric("make, CPU ms", GLOBE_MAKE_CPU_MS),
         DRAW,
