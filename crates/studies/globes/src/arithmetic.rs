@@ -9,6 +9,7 @@ mod quadtree;
 mod radius;
 mod segments;
 mod spiral;
+mod texels;
 mod zones;
 
 use terrafill_fixtures::page::{assert_page, markdown_table as table};
@@ -37,6 +38,7 @@ fn page() -> String {
         spiral::page(),
         grid::page(),
         segments::page(),
+        texels::page(),
         controllers::page(),
         printed::page(),
     ];

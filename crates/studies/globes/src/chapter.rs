@@ -2,13 +2,16 @@
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view; then what
 //! further parts of the study found.
 
+use crate::claims::{self, CLAIMS};
 use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::*;
 use crate::{counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
-use terrafill_results::{Answers, Block, Case, Chapter, ChapterError, Clock, Metric, Run, Term};
+use terrafill_results::{
+    Answers, Block, Case, Chapter, ChapterError, Clock, DerivedTable, Metric, Run, Term,
+};
 
 /// A quarter of a pixel: what no one sees.
 const FINE_PX: f64 = 0.25;
@@ -79,7 +82,14 @@ impl Chapter for GlobesChapter {
         for section in parts.iter().chain(&shading::SECTIONS) {
             blocks.extend(section.blocks(&all)?);
         }
+        for claims in CLAIMS.iter().filter(|_| !all.is_empty()) {
+            blocks.extend(claims.blocks(&all)?);
+        }
         Ok(with_commands(blocks, run, crate::STUDY))
+    }
+
+    fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
+        claims::tables(&Cases::of_study(run, crate::STUDY))
     }
 }
 

@@ -10,6 +10,7 @@ mod api;
 mod arithmetic;
 mod canvas;
 mod chapter;
+mod claims;
 mod clock;
 mod counts;
 mod error;

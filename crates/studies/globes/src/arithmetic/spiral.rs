@@ -230,8 +230,9 @@ rounded from f64, and a device's are worse.
 A form in single precision against itself in double precision, largest, px. From 1.7 m absolute forms are hundreds of
 pixels off, the focus-local form with −2 sin²(r/2) at most 1e-4.
 {forms}
-A Taylor series of sine and cosine against the functions, largest, px. Gebbie & Bailey: low orders are not noticed.
-At 5/6 they are below ¼ px from every height.
+A Taylor series of sine and cosine against the functions, largest, px. Gebbie & Bailey say that artefacts of low orders
+“are not noticeable”. At 3/2 that is so up to 100 km, where they are below ¼ px, and not from 1,161 km on. At 5/6 they are
+below ¼ px from every height.
 {series}
 Fewest rings with which no edge between two of them sags by more than ¼ px: found, and by the law's formula.
 {rings}"
@@ -249,6 +250,8 @@ fn absolute_forms_and_short_series_are_seen_and_others_are_not() {
     let worst = HEIGHTS_M.map(|height_m| series_px("5/6", height_m));
     assert!(worst.iter().all(|px| *px <= 0.2), "{worst:?}");
     assert!(worst.iter().any(|px| *px > 0.1), "{worst:?}");
+    // What the page says of third order.
+    assert!(series_px("3/2", 1e5) < FINE_PX && series_px("3/2", 1.161e6) > 1.0);
     // Negative control: a shorter series.
     assert!(series_px("3/4", 8e6) > 4.0);
 }
