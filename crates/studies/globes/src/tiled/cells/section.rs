@@ -37,7 +37,8 @@ pub(crate) const SECTION: Section<'static> = Section {
            every N; triangles across ±180° are split by the CPU at ½. A line is fitted to the frame over 2 N² \
            triangles, ours by the same rule as the ten published times. Its interval is Student's, 95 %, by what the \
            points leave over. Wrong pixels \
-           are counted: moved corners fold triangles at the limb, where a device may show another than a ray meets. \
+           are counted and not judged: with coarse grids the view of the whole globe has some, whose cause is not \
+           separated. There few corners also cover less of the body, so that pixels grow with N as triangles do. \
            Times of another machine stand beside ours as shares of the mean frame of N = 1 … 10.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[("view", VIEW), ("tiles", TILES), ("N", CELLS)]),
