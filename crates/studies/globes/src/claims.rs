@@ -80,6 +80,7 @@ mod tests {
     use crate::GlobesStudy;
     use crate::list::List;
     use crate::opened::Opened;
+    use crate::shading::Shadings;
     use crate::tiled::picture::Pictured;
     use std::rc::Rc;
     use std::sync::Arc;
@@ -97,16 +98,19 @@ mod tests {
             surfaces: &[&ScreenGridKind, &SpiralKind],
         };
         let planned = study.plan(&Request::default()).expect("a plan");
-        // The Blue Marble is data; of another picture there are the same cases.
+        // Pictures of the Earth are data; of others there are the same cases.
         let picture = Arc::new(MipChain::new(2, 1, vec![9; 8]).expect("a picture"));
         let list = List::shipped().expect("a list");
         let opened = Rc::new(Opened::new(study.surfaces));
         let pictured = Pictured::planned(&list.tiled_view, (8, 1), false, picture, &opened);
+        let layers = shading::synthetic_layers();
+        let shaded = Shadings::planned(&list, (8, 1), false, layers, &opened);
         let of_plan = |is_planned: fn(&str) -> bool| {
             let mut run = MadeUpRun::default();
             let cases = planned.groups.iter().flat_map(|group| group.cases());
             for case in cases
                 .chain(&pictured.cases)
+                .chain(&shaded.cases)
                 .filter(|case| is_planned(case.id.condition("part")))
             {
                 run.case(case.id.clone());
