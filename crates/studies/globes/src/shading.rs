@@ -19,9 +19,9 @@ mod work;
 pub(crate) use section::SECTIONS;
 #[cfg(test)]
 pub(crate) use section::TABLE_3;
+pub(crate) use sources::layers;
 #[cfg(test)]
 pub(crate) use synthetic::sources as synthetic_layers;
-pub(crate) use sources::layers;
 pub(crate) use way::{KIND, PART};
 
 use crate::STUDY;

@@ -115,7 +115,10 @@ const OWN: [(&str, &[&str]); 4] = [
 
 /// Switches that are not drawn here, and why.
 const LEFT_OUT: [(&str, &str); 5] = [
-    ("normalize", "of textured fills, which have tests of their own"),
+    (
+        "normalize",
+        "of textured fills, which have tests of their own",
+    ),
     ("position", "of textured fills"),
     ("texture", "of textured fills"),
     ("texture-code", "of textured fills"),
@@ -159,11 +162,7 @@ fn variant_of(keys: &[(&str, Vec<&str>)], row: &[usize]) -> Option<Variant> {
 /// Every two values of a row.
 fn pairs(row: &[usize]) -> impl Iterator<Item = [(usize, usize); 2]> {
     let values = || row.iter().copied().enumerate();
-    values().flat_map(move |later| {
-        values()
-            .take(later.0)
-            .map(move |earlier| [earlier, later])
-    })
+    values().flat_map(move |later| values().take(later.0).map(move |earlier| [earlier, later]))
 }
 
 /// Few variants in which every two values of two keys that go together meet at least once: what
