@@ -1,4 +1,4 @@
-// Balls of study `balls`, and what all its shaders are told.
+// Balls of study `balls`, and what shaders that step them or dig their craters are told.
 struct BallConstants {
     step_s: f32,
     gravity: f32,

@@ -37,12 +37,35 @@ pub trait Shows {
 
 /// The session of a [`Shows`]. Whatever shows something else than when it was verified is judged again.
 #[derive(Debug)]
-pub struct JudgedOnce<S>(pub S);
+pub struct JudgedOnce<S> {
+    shows: S,
+    /// Cases that showed what they did, and were not judged here.
+    only_shown: Vec<usize>,
+}
+
+impl<S: Shows> JudgedOnce<S> {
+    /// Nothing is shown yet.
+    pub fn new(shows: S) -> Self {
+        Self {
+            shows,
+            only_shown: Vec::new(),
+        }
+    }
+
+    /// Judges a case after those before it: ways are held against the first way's picture, which a judge remembers.
+    fn judge(&mut self, case: usize, shown: S::Shown) -> Result<Verdict, Failure> {
+        for earlier in std::mem::take(&mut self.only_shown) {
+            let (_, shown) = self.shows.show(earlier)?;
+            self.shows.judge(earlier, shown)?;
+        }
+        self.shows.judge(case, shown)
+    }
+}
 
 impl<S: Shows> Session for JudgedOnce<S> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let (hash, shown) = self.0.show(case)?;
-        let mut verdict = self.0.judge(case, shown)?;
+        let (hash, shown) = self.shows.show(case)?;
+        let mut verdict = self.judge(case, shown)?;
         verdict.notes.push((SHOWN, hash));
         Ok(verdict)
     }
@@ -53,18 +76,19 @@ impl<S: Shows> Session for JudgedOnce<S> {
         status: Status,
         notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, Failure> {
-        let (hash, shown) = self.0.show(case)?;
+        let (hash, shown) = self.shows.show(case)?;
         if notes.get(SHOWN) == Some(&hash) {
+            self.only_shown.push(case);
             return Ok(Verdict {
                 status,
                 ..Verdict::default()
             });
         }
-        self.0.judge(case, shown)
+        self.judge(case, shown)
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        self.0.time(case)
+        self.shows.time(case)
     }
 }
 
@@ -73,10 +97,12 @@ mod tests {
     use super::*;
     use crate::judged;
 
-    /// Shows a number, which is right below ten.
+    /// Shows a number, which is right below ten where it is the first one's.
+    #[derive(Default)]
     struct Number {
         shown: u32,
         judged: u32,
+        first: Option<u32>,
     }
 
     impl Shows for Number {
@@ -88,7 +114,9 @@ mod tests {
 
         fn judge(&mut self, _: usize, shown: u32) -> Result<Verdict, Failure> {
             self.judged += 1;
-            let reason = if shown < 10 { "" } else { "ten or more" };
+            let first = *self.first.get_or_insert(shown);
+            let is_right = shown < 10 && shown == first;
+            let reason = if is_right { "" } else { "another number" };
             Ok(judged(reason.to_owned(), Vec::new(), Vec::new()))
         }
 
@@ -97,24 +125,52 @@ mod tests {
         }
     }
 
+    /// The same, whose second case shows one more.
+    struct Twice(Number);
+
+    impl Shows for Twice {
+        type Shown = u32;
+
+        fn show(&mut self, case: usize) -> Result<(String, u32), Failure> {
+            let (_, shown) = self.0.show(case)?;
+            let shown = shown + u32::from(case == 1);
+            Ok((shown.to_string(), shown))
+        }
+
+        fn judge(&mut self, case: usize, shown: u32) -> Result<Verdict, Failure> {
+            self.0.judge(case, shown)
+        }
+
+        fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+            self.0.time(case)
+        }
+    }
+
     #[test]
     fn what_shows_the_same_is_not_judged_again_and_what_does_not_is() {
-        let mut session = JudgedOnce(Number {
-            shown: 3,
-            judged: 0,
-        });
+        let of = |shown| Number {
+            shown,
+            ..Number::default()
+        };
+        let mut session = JudgedOnce::new(of(3));
         let verdict = session.verify(0).expect("a verdict");
         assert_eq!(verdict.notes, [(SHOWN, "3".to_owned())]);
         let notes = BTreeMap::from([(SHOWN.to_owned(), "3".to_owned())]);
-        let mut recheck = |shown, notes| {
-            session.0 = Number { shown, judged: 0 };
+        let recheck = |shown, notes| {
+            let mut session = JudgedOnce::new(of(shown));
             let verdict = session.recheck(0, Status::Ok, notes).expect("a verdict");
-            (verdict.status, session.0.judged)
+            (verdict.status, session.shows.judged)
         };
         assert_eq!(recheck(3, &notes), (Status::Ok, 0));
         // Negative controls: other bits that are right, a wrong picture, and a run without hashes.
         assert_eq!(recheck(4, &notes), (Status::Ok, 1));
         assert_eq!(recheck(10, &notes), (Status::Wrong, 1));
         assert_eq!(recheck(3, &BTreeMap::new()), (Status::Ok, 1));
+        // A case behind one that was only shown is held against that one.
+        let mut session = JudgedOnce::new(Twice(of(3)));
+        let earlier = session.recheck(0, Status::Ok, &notes).expect("a verdict");
+        assert_eq!((earlier.status, session.shows.0.judged), (Status::Ok, 0));
+        assert_eq!(session.verify(1).expect("a verdict").status, Status::Wrong);
+        assert_eq!(session.shows.0.judged, 2);
     }
 }

@@ -261,7 +261,7 @@ impl SurfaceTriangles {
     }
 }
 
-/// A triangle while the tree is made: far smaller than its corners, which stay where they are.
+/// A triangle while the tree is made: less than half as large as its corners, which stay where they are.
 struct Entry {
     /// Sum of its corners.
     middle: [f64; 3],

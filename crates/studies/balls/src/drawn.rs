@@ -139,7 +139,7 @@ pub(crate) fn group(counts: &[u32], size: ImageSize, samples: u32) -> CaseGroup<
         warm_up: None,
         work: DrawnBalls { cases, size },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(DrawnSession {
+            Ok(Box::new(JudgedOnce::new(DrawnSession {
                 group,
                 context,
                 terrain: Terrain::new(),
@@ -297,7 +297,7 @@ impl Shows for DrawnSession<'_> {
         };
         self.opened.insert(case, opened);
         let balls = numbers_hash(bytemuck::cast_slice(&last));
-        let hash = format!("{balls}-{}", numbers_hash(&numbers));
+        let hash = format!("{balls}-{}-{uploaded}", numbers_hash(&numbers));
         let shown = ShownBalls {
             last,
             numbers,

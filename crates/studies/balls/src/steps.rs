@@ -56,11 +56,17 @@ mod tests {
         for path in ["balls/fly.wgsl", "balls/craters.wgsl", "balls/step.wgsl"] {
             let layout = struct_layout(path, "BallConstants").expect("a struct");
             let offset = |name: &str| layout.offset(name).expect(name);
-            assert_eq!(offset("blocks"), offset_of!(BallConstants, blocks));
-            let depth = offset_of!(BallConstants, crater_depth);
-            assert_eq!(offset("crater_depth"), depth);
-            // Negative control: its neighbour.
-            assert_ne!(offset("crater_s"), depth);
+            macro_rules! lies {
+                ($($field:ident)*) => {
+                    [$((offset(stringify!($field)), offset_of!(BallConstants, $field))),*]
+                };
+            }
+            let places = lies![step_s gravity stiffness count cells cell_m blocks law restitution crater_s crater_depth];
+            for (there, here) in places {
+                assert_eq!(there, here);
+            }
+            // Negative control: a neighbour.
+            assert_ne!(offset("law"), offset_of!(BallConstants, restitution));
             // What is uniform ends on a multiple of 16 bytes.
             let stride = (layout.stride as usize).next_multiple_of(16);
             assert_eq!(stride, size_of::<BallConstants>());

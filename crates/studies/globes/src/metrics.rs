@@ -113,10 +113,6 @@ terrafill_results::metrics! {
         "globe_upload_bytes",
         "Bytes of vertices, indices and constants handed to the device for a frame.",
     );
-    GLOBE_STEADY_UPLOAD_BYTES = Metric::bytes(
-        "globe_steady_upload_bytes",
-        "Bytes handed to the device for a frame whose eye stands still; at most 0.",
-    );
     GLOBE_STORED_BYTES = Metric::bytes(
         "globe_stored_bytes",
         "Bytes of vertices and indices that the device keeps for all views.",

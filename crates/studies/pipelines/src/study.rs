@@ -210,7 +210,7 @@ fn grids(
             is_for_gpus: false,
         },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(GridSession {
+            Ok(Box::new(JudgedOnce::new(GridSession {
                 group,
                 context,
                 grid: Grid::new(group.work.cells),

@@ -133,8 +133,8 @@ const FEWER: [(&str, &[&str]); 2] = [
 ];
 
 /// Rows drawn by lot, and of those that go together so many, of which few are chosen.
-const DRAWN: usize = 20_000;
-const CANDIDATES: usize = 2_000;
+const DRAWN: usize = 60_000;
+const CANDIDATES: usize = 1_000;
 
 /// What may be chosen, with its values: a new switch is among them without being named here.
 fn keys() -> Vec<(&'static str, Vec<&'static str>)> {
@@ -177,8 +177,15 @@ fn pairwise_variants() -> Vec<Variant> {
     };
     let mut rows: Vec<Vec<usize>> = (0..DRAWN).map(|_| row()).collect();
     rows.retain(|row| variant_of(&keys, row).is_some());
+    assert!(rows.len() >= CANDIDATES, "{} rows go together", rows.len());
     rows.truncate(CANDIDATES);
     let mut missing: BTreeSet<_> = rows.iter().flat_map(|row| pairs(row)).collect();
+    for (key, (name, values)) in keys.iter().enumerate() {
+        for (value, text) in values.iter().enumerate() {
+            let is_drawn = missing.iter().any(|pair| pair.contains(&(key, value)));
+            assert!(is_drawn, "{name}={text} goes with nothing that was drawn");
+        }
+    }
     let mut chosen = Vec::new();
     while !missing.is_empty() {
         let gain = |row: &Vec<usize>| pairs(row).filter(|pair| missing.contains(pair)).count();

@@ -138,15 +138,6 @@ pub(crate) struct MadeScene {
     vertex_count: u32,
     /// Of the stored buffers, where they are drawn.
     range: Option<DrawnRange>,
-    /// Constants as the device has them.
-    sent: Vec<u8>,
-}
-
-impl MadeScene {
-    /// What the device has is of no use to the next frame: its eye has moved.
-    pub(crate) fn forget(&mut self) {
-        self.sent.clear();
-    }
 }
 
 impl MadeTargets {
@@ -295,7 +286,6 @@ impl MadeTargets {
             },
             vertex_count: spiral.count(),
             range: None,
-            sent: Vec::new(),
         })
     }
 
@@ -304,7 +294,7 @@ impl MadeTargets {
         self.stored.bytes()
     }
 
-    /// Hands a view to the device, but for what it has already; bytes that were sent.
+    /// Hands a view to the device; bytes that were sent.
     pub(crate) fn send(&self, scene: &mut MadeScene, eye: &Eye, spiral: &Spiral) -> u64 {
         let view = view_constants(eye);
         let constants = SpiralConstants::new(spiral);
@@ -323,15 +313,10 @@ impl MadeTargets {
             (&scene.relief, bytemuck::cast_slice(relief.as_slice())),
             (&scene.vertices, bytemuck::cast_slice(&vertices)),
         ];
-        let sent = all.map(|(_, bytes)| bytes).concat();
-        if sent == scene.sent {
-            return 0;
-        }
         for (buffer, bytes) in all.iter().filter(|(_, bytes)| !bytes.is_empty()) {
             self.canvas.gpu.write_buffer(buffer, 0, bytes);
         }
-        scene.sent = sent;
-        scene.sent.len() as u64
+        all.iter().map(|(_, bytes)| bytes.len() as u64).sum()
     }
 
     pub(crate) fn draw(&self, scene: &MadeScene) -> Result<Option<f64>, DeviceError> {

@@ -104,7 +104,7 @@ fn of_cases(
             cases,
         },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(CullSession {
+            Ok(Box::new(JudgedOnce::new(CullSession {
                 group,
                 context,
                 ground: Rc::new(Ground::new(group.work.tile_cells)),
@@ -236,7 +236,12 @@ impl Shows for CullSession<'_> {
         self.opened.insert(case, opened);
         let numbers = ids_of(&shown.picture);
         let hash = match &shown.kept {
-            Kept::List(patches) => numbers_hash(patches),
+            // Compute appends to its list in whatever order.
+            Kept::List(patches) => {
+                let mut patches = patches.clone();
+                patches.sort_unstable();
+                numbers_hash(&patches)
+            }
             Kept::Count(count) => count.to_string(),
         };
         let hash = format!("{}-{hash}", shown_hash(&numbers, &shown.counted));

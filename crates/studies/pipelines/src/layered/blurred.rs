@@ -224,7 +224,7 @@ fn group(layers: u32, turning: Shared, level: u32, side: u32, samples: u32) -> C
         },
         open: |group, context| {
             let Blurs { level, side, .. } = group.work;
-            Ok(Box::new(JudgedOnce(BlurSession {
+            Ok(Box::new(JudgedOnce::new(BlurSession {
                 turning: group.work.turning.get_or_init(|| Turning::new(level, side)),
                 group,
                 context,

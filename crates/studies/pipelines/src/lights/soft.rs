@@ -101,7 +101,7 @@ fn group(cells: u32, sides: &[u32], (size, samples): (ImageSize, u32)) -> CaseGr
         warm_up: None,
         work: SoftShadows { cells, cases, size },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(SoftSession {
+            Ok(Box::new(JudgedOnce::new(SoftSession {
                 group,
                 context,
                 grid: ground(group.work.cells),

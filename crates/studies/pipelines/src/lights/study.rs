@@ -71,7 +71,7 @@ fn group(
             size,
         },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(LightSession {
+            Ok(Box::new(JudgedOnce::new(LightSession {
                 group,
                 context,
                 grid: ground(group.work.cells),

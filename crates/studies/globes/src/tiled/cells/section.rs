@@ -151,9 +151,14 @@ fn said_of_published() -> String {
     line(&published()).map_or_else(String::new, |line| {
         let [low, high] = line.interval.map(|slope| significant(1e3 * slope));
         format!(
-            "The ten published times have {} µs a triangle ({low} … {high}), p = {}: no effect.",
+            "The ten published times have {} µs a triangle ({low} … {high}), p = {}; {}.",
             significant(1e3 * line.slope),
-            significant(line.p)
+            significant(line.p),
+            if line.interval[0] <= 0.0 && line.interval[1] >= 0.0 {
+                "they show no effect"
+            } else {
+                "they show one"
+            }
         )
     })
 }

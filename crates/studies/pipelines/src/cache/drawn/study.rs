@@ -83,7 +83,7 @@ fn group(
         },
         open: |group, context| {
             let ground = BlockGround::new(group.work.across, group.work.block_cells);
-            Ok(Box::new(JudgedOnce(BlockSession {
+            Ok(Box::new(JudgedOnce::new(BlockSession {
                 group,
                 context,
                 ground,

@@ -89,7 +89,7 @@ fn group_of(cases: Vec<(ImageWay, Kind)>, size: ImageSize, samples: u32) -> Case
         warm_up: None,
         work: Images { cases, size },
         open: |group, context| {
-            Ok(Box::new(JudgedOnce(ImageSession {
+            Ok(Box::new(JudgedOnce::new(ImageSession {
                 group,
                 context,
                 sphere: sphere(),
