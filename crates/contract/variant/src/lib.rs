@@ -13,4 +13,4 @@ mod variant;
 pub use route_choice::RouteChoice;
 pub use switch::{Switch, SwitchError, Values, pick};
 pub use switches::*;
-pub use variant::{Parameter, Variant};
+pub use variant::{Parameter, Variant, is_gone};

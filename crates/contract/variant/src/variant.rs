@@ -187,9 +187,7 @@ impl Variant {
             return Err(SwitchError {
                 switch,
                 found: value.to_owned(),
-                allowed:
-                    "no value: it did not pay on hardware and is gone, see docs/volume-cost.md"
-                        .to_owned(),
+                allowed: LEAVE_OUT.to_owned(),
             });
         }
         Ok(self.switches.set(key, value)? || switch::set(PLAN_TABLE, &mut self.plan, key, value)?)
@@ -301,6 +299,16 @@ impl Variant {
 
 /// Switches of older programs, whose figures are kept.
 const GONE: [&str; 3] = ["cap-faces", "counted", "depth-bounds"];
+
+/// What is allowed in place of one of them.
+const LEAVE_OUT: &str =
+    "to leave it out: it did not pay on hardware and is gone, docs/volume-cost.md has its figures";
+
+/// Whether a switch is one of older programs, which no technique has any more.
+#[must_use]
+pub fn is_gone(key: &str) -> bool {
+    GONE.contains(&key)
+}
 
 /// Every option of a plan, in alphabetical order.
 const PLAN_TABLE: &[Switch<PlanOptions>] = &[
@@ -420,11 +428,7 @@ mod tests {
             ("boundary-lod-px", "NaN", "PIXELS, a number above 0, or off"),
             ("far-level-px", "0", "PIXELS, a number above 0, or off"),
             ("part-culling", "on", "off, frustum, all"),
-            (
-                "counted",
-                "wall-band",
-                "no value: it did not pay on hardware and is gone, see docs/volume-cost.md",
-            ),
+            ("counted", "wall-band", LEAVE_OUT),
         ] {
             let error = variant.set(key, value).expect_err("no such value");
             assert_eq!((error.switch, error.allowed.as_str()), (key, allowed));

@@ -335,7 +335,8 @@ impl<'a> Data<'a> {
         let is_drawn = !is_baseline(case)
             && !Purpose::Subdivision.is_of(case)
             && !Purpose::Rival.is_of(case)
-            && ["", "scene"].contains(&case.condition(PICTURE));
+            && ["", "scene"].contains(&case.condition(PICTURE))
+            && !sets_what_is_gone(case.condition(VARIANT));
         if !is_drawn {
             return String::new();
         }
@@ -352,6 +353,12 @@ impl<'a> Data<'a> {
             "terrafill render {scene} --view {view} --technique {technique} --set {variant}{size} --out picture.png"
         )
     }
+}
+
+/// Whether today's program refuses a variant of an older one.
+fn sets_what_is_gone(variant: &str) -> bool {
+    let keys = variant.split(',').map(|part| part.split('=').next());
+    keys.flatten().any(terrafill_variant::is_gone)
 }
 
 /// A case's name as a plot has room for it: the knob, in short, after the rest.
