@@ -366,7 +366,7 @@ standard input; every column comes out again";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// Shipped scene by name, a scene file, or a GeoJSON file
+    /// Shipped scene by name, a scene file, a GeoJSON file, or a study's case by its values: STUDY/VALUE…
     #[arg(required_unless_present = "list_switches")]
     pub(crate) scene: Option<String>,
     #[command(flatten)]
@@ -378,16 +378,14 @@ pub(crate) struct RenderArguments {
     pub(crate) fit: bool,
     #[arg(long, value_enum, default_value = "judged", hide_possible_values = true, help = STYLE_HELP)]
     pub(crate) style: Style,
-    /// A technique, or reference
+    /// A technique, or reference [default: vertex]
     #[arg(
         long,
         alias = "backend",
-        default_value = "vertex",
-        default_value_if("style", "map", "reference"),
         value_parser = picture_backends(),
         hide_possible_values = true
     )]
-    pub(crate) technique: String,
+    pub(crate) technique: Option<String>,
     #[arg(long, alias = "variant", value_name = "KEY=VALUE", help = SET_HELP)]
     pub(crate) set: Vec<String>,
     /// Print each switch with meaning, values and default; draw nothing
@@ -423,6 +421,17 @@ pub(crate) enum Style {
     Judged,
     // For people.
     Map,
+}
+
+impl RenderArguments {
+    /// What draws; maps are the reference's.
+    pub(crate) fn technique(&self) -> &str {
+        let default = match self.style {
+            Style::Judged => "vertex",
+            Style::Map => "reference",
+        };
+        self.technique.as_deref().unwrap_or(default)
+    }
 }
 
 impl Style {

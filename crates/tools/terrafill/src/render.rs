@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `render`: one picture.
+//! `render`: one picture, of a scene or of a study's case.
+
+mod case;
 
 use crate::arguments::{RenderArguments, Style};
 use crate::data::data_dirs;
@@ -26,7 +28,7 @@ use terrafill_plan::{LeveledMeshes, PlanOptions};
 use terrafill_reference::{MapPicture, ReferenceBackend};
 use terrafill_scene::{ImageSize, Scene, View, choices};
 use terrafill_surface::open_surface;
-use terrafill_variant::Variant;
+use terrafill_variant::{Variant, is_gone};
 
 /// What one backend drew.
 struct RenderedPicture {
@@ -59,6 +61,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     )?;
     check_pictures(arguments.ids.iter().map(PathBuf::as_path), &["png"])?;
     check_pictures([out.as_path()], arguments.style.formats())?;
+    if let Some(asked) = case::Asked::of(name) {
+        return case(&asked, arguments, out);
+    }
     let scene = scene(name, arguments)?;
     let view = find_view(&scene, arguments.view.as_deref())?;
     let wanted = wanted(&scene, arguments)?;
@@ -129,6 +134,31 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     }
 }
 
+/// Writes the picture of a study's case.
+fn case(
+    asked: &case::Asked<'_>,
+    arguments: &RenderArguments,
+    out: &Path,
+) -> Result<Outcome, Failure> {
+    let format = ImageFormat::from_path(out).unwrap_or(ImageFormat::Png);
+    let drawn = asked.draw(arguments, format)?;
+    write_all(&[(out, drawn.bytes)])?;
+    for line in drawn.said {
+        complain(line);
+    }
+    match drawn.objection {
+        Some(message) if arguments.check => Err(Failure {
+            outcome: Outcome::Regression,
+            message,
+        }),
+        Some(message) => {
+            complain(format!("warning: the picture is not right: {message}"));
+            Ok(Outcome::Done)
+        }
+        None => Ok(Outcome::Done),
+    }
+}
+
 /// Whether it is neither standard output nor a pipe or a device.
 fn is_file(path: &Path) -> bool {
     !is_standard(path) && path.is_file()
@@ -191,7 +221,7 @@ struct Wanted {
 }
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
-    let technique = technique(&arguments.technique);
+    let technique = technique(arguments.technique());
     let full_plan = |technique: &dyn Technique| technique.full_plans(scene.overlap).pop();
     let subject = technique.map(|technique| {
         let unset = arguments.set.is_empty();
@@ -241,6 +271,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         match variant.set(key, value) {
             Ok(true) => {}
             Ok(false) => return Err(refuse(&allowed_switches(variant, key))),
+            Err(error) if is_gone(key) => return Err(refuse(&error.allowed)),
             Err(error) => return Err(refuse(&format!("{key}={}", error.allowed))),
         }
     }
@@ -414,7 +445,7 @@ fn statistics(
     let mut statistics = json!({
         "scene": input.scene.name,
         "view": input.view,
-        "backend": arguments.technique,
+        "backend": arguments.technique(),
         "variant": drawn.variant,
         "width": input.size.width,
         "height": input.size.height,

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The picture of a study's case, `terrafill render globes/layers --view night-edge`: drawn and judged as a run does.
+
+use crate::arguments::RenderArguments;
+use crate::data::data_dirs;
+use crate::draft;
+use crate::outcome::Failure;
+use crate::registry::STUDIES;
+use image::ImageFormat;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::rc::Rc;
+use terrafill_contract::Devices;
+use terrafill_results::{CaseId, Status, Verdict};
+use terrafill_scene::choices;
+use terrafill_study::{Context, Depth, Group, Request, Study, StudyError};
+
+/// Cases that are verified in search of a picture: some studies draw one of a few cases alone.
+const MAX_TRIED: usize = 16;
+
+/// Setting by which a study keeps pictures of all its cases.
+const PICTURES: &str = "pictures";
+
+/// A case's picture, as its study writes it.
+pub(super) struct CasePicture {
+    /// An encoded picture in the format that was asked for.
+    pub(super) bytes: Vec<u8>,
+    /// What to say of it.
+    pub(super) said: Vec<String>,
+    /// Why it is wrong, where it is.
+    pub(super) objection: Option<String>,
+}
+
+/// A study, and values that a case's conditions must have.
+pub(super) struct Asked<'a> {
+    study: &'static dyn Study,
+    values: Vec<&'a str>,
+}
+
+impl<'a> Asked<'a> {
+    /// What `STUDY` or `STUDY/VALUE…` asks for; `None` where it names a file, or no study.
+    pub(super) fn of(name: &'a str) -> Option<Self> {
+        let mut parts = name.split('/');
+        let study = parts.next()?;
+        let study = STUDIES.iter().find(|known| known.name() == study)?;
+        let values = parts.filter(|value| !value.is_empty()).collect();
+        (!Path::new(name).is_file()).then_some(Self {
+            study: *study,
+            values,
+        })
+    }
+
+    fn matches(&self, case: &CaseId, arguments: &RenderArguments) -> bool {
+        let has = |key: &str, value: &str| case.conditions.get(key).is_some_and(|v| v == value);
+        let mut values = self.values.iter();
+        let view = arguments.view.as_deref();
+        let mut set = arguments.set.iter().flat_map(|all| all.split(','));
+        values.all(|value| case.conditions.values().any(|own| own == value))
+            && view.is_none_or(|view| has("view", view))
+            && set.all(|pair| matches!(pair.split_once('='), Some((key, value)) if has(key, value)))
+    }
+
+    /// The picture of the first case that has one.
+    ///
+    /// # Errors
+    /// What is asked for and no study can do, an input that cannot be read, a case without a picture, and a device that
+    /// is not there.
+    pub(super) fn draw(
+        &self,
+        arguments: &RenderArguments,
+        format: ImageFormat,
+    ) -> Result<CasePicture, Failure> {
+        draft::refuse_for_scenes(&arguments.own)?;
+        let of_scenes = [
+            ("--fit", arguments.fit),
+            ("--technique", arguments.technique.is_some()),
+            ("--ids", arguments.ids.is_some()),
+            ("--stats", arguments.stats.is_some()),
+        ];
+        if let Some((option, _)) = of_scenes.iter().find(|(_, is_given)| *is_given) {
+            let study = self.study.name();
+            let message = format!("{option}: found with study {study}, allowed: with a scene");
+            return Err(Failure::bad_input(message));
+        }
+        let planned = self.study.plan(&Request {
+            depth: Depth::Full,
+            samples: Some(1),
+            size: arguments.size.into(),
+            names_size: true,
+            data_dir: data_dirs(&arguments.data)?,
+            settings: [(PICTURES.to_owned(), Vec::new())].into(),
+            ..Request::default()
+        });
+        let planned = planned.map_err(Failure::bad_input)?;
+        let is_asked = |case: &CaseId| self.matches(case, arguments);
+        let number = planned.groups.iter().flat_map(|group| group.cases());
+        let number = number.filter(|case| is_asked(&case.id)).count();
+        if number == 0 {
+            return Err(self.refused(&planned.groups));
+        }
+        let folder = tempfile::tempdir().map_err(Failure::bad_input)?;
+        let images = folder.path().join("images");
+        std::fs::create_dir(images).map_err(Failure::bad_input)?;
+        let devices = Rc::new(Devices::new(arguments.adapter.clone()));
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        let (mut tried, mut reason) = (0, String::new());
+        for group in &planned.groups {
+            if !group.cases().iter().any(|case| is_asked(&case.id)) {
+                continue;
+            }
+            let mut session = group.open(context).map_err(failed)?;
+            let cases = group.cases().iter().enumerate();
+            for (index, case) in cases.filter(|(_, case)| is_asked(&case.id)) {
+                if tried == MAX_TRIED {
+                    break;
+                }
+                tried += 1;
+                let verdict = session.verify(index);
+                let verdict = verdict.or_else(terrafill_study::Failure::verdict);
+                let verdict = verdict.map_err(failed)?;
+                let Some(path) = picture(&verdict) else {
+                    reason = verdict.reason;
+                    continue;
+                };
+                let path = folder.path().join(path);
+                return Ok(CasePicture {
+                    bytes: encoded(&path, format)?,
+                    said: said(&case.id, number - 1),
+                    objection: (verdict.status != Status::Ok).then_some(verdict.reason),
+                });
+            }
+        }
+        let because = if reason.is_empty() {
+            "its study draws none of them".to_owned()
+        } else {
+            reason
+        };
+        Err(Failure::bad_input(format!(
+            "{}: found no picture of {tried} cases tried, of {number}: {because}; allowed: cases whose report shows one",
+            arguments.scene.as_deref().unwrap_or_default()
+        )))
+    }
+
+    /// That no case has all that was asked for: which values there are.
+    fn refused(&self, groups: &[Box<dyn Group>]) -> Failure {
+        let cases: Vec<&CaseId> = groups
+            .iter()
+            .flat_map(|group| group.cases())
+            .map(|case| &case.id)
+            .collect();
+        let values: BTreeSet<&str> = cases
+            .iter()
+            .flat_map(|case| case.conditions.values())
+            .map(String::as_str)
+            .collect();
+        let study = self.study.name();
+        if let Some(value) = self.values.iter().find(|value| !values.contains(**value)) {
+            let names = values.into_iter().filter(|value| !value.is_empty());
+            let allowed = choices(value, names);
+            return Failure::bad_input(format!("{study}: found {value:?}, allowed: {allowed}"));
+        }
+        let has = |case: &CaseId, value: &str| case.conditions.values().any(|own| own == value);
+        let alike = cases
+            .iter()
+            .filter(|case| self.values.iter().all(|value| has(case, value)));
+        let views: BTreeSet<&str> = alike
+            .filter_map(|case| case.conditions.get("view"))
+            .map(String::as_str)
+            .collect();
+        Failure::bad_input(format!(
+            "{study}: found no case with all of these values, allowed with {:?}: --view {}",
+            self.values,
+            choices("", views)
+        ))
+    }
+}
+
+/// The first picture that a verdict names, relative to the folder: what is seen before what it is held against.
+fn picture(verdict: &Verdict) -> Option<&str> {
+    let of = |name: &str| {
+        let named = verdict.notes.iter().find(|(note, _)| *note == name);
+        named.map(|(_, path)| path.as_str())
+    };
+    let any = || {
+        verdict
+            .notes
+            .iter()
+            .map(|(_, path)| path.as_str())
+            .find(|path| path.starts_with("images/"))
+    };
+    of("picture").or_else(|| of("image")).or_else(any)
+}
+
+fn encoded(path: &Path, format: ImageFormat) -> Result<Vec<u8>, Failure> {
+    let picture = image::open(path).map_err(Failure::bad_input)?.to_rgb8();
+    let mut encoded = std::io::Cursor::new(Vec::new());
+    let written = picture.write_to(&mut encoded, format);
+    written.map_err(Failure::bad_input)?;
+    Ok(encoded.into_inner())
+}
+
+/// Which case it is, by its conditions, and how many others were asked for by the same words.
+fn said(case: &CaseId, others: usize) -> Vec<String> {
+    let conditions = case
+        .conditions
+        .iter()
+        .filter(|(_, value)| !value.is_empty());
+    let conditions: Vec<String> = conditions
+        .map(|(key, value)| format!("{key}={value}"))
+        .collect();
+    let mut said = vec![format!("{}: {}", case.study, conditions.join(", "))];
+    if others > 0 {
+        said.push(format!(
+            "{others} more cases are like that; --set KEY=VALUE names another, by conditions as above"
+        ));
+    }
+    said
+}
+
+fn failed(error: StudyError) -> Failure {
+    match error {
+        StudyError::NoDevice(_) => Failure::no_device(error),
+        _ => Failure::bad_input(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::arguments::{Arguments, Verb};
+    use clap::Parser as _;
+
+    fn arguments(line: &str) -> RenderArguments {
+        let line = format!("terrafill render {line} --out a.png");
+        let arguments = Arguments::try_parse_from(line.split(' ')).expect("a command");
+        let Verb::Render(arguments) = arguments.verb else {
+            panic!("{line}");
+        };
+        arguments
+    }
+
+    #[test]
+    fn a_case_is_asked_for_by_values_views_and_conditions() {
+        let conditions = [
+            ("part", "layers"),
+            ("view", "night-edge"),
+            ("bumps", "tangent"),
+        ];
+        let conditions = conditions.map(|(key, value)| (key, value.to_owned()));
+        let case = CaseId::new("globes", "a", conditions);
+        let is_asked = |line: &str| {
+            let arguments = arguments(line);
+            let name = arguments.scene.clone().expect("a name");
+            Asked::of(&name)
+                .expect("a study")
+                .matches(&case, &arguments)
+        };
+        assert!(is_asked("globes"));
+        assert!(is_asked("globes/layers --view night-edge"));
+        assert!(is_asked("globes/night-edge/layers --set bumps=tangent"));
+        // Negative controls.
+        assert!(!is_asked("globes/tiles"));
+        assert!(!is_asked("globes/layers --view day"));
+        assert!(!is_asked("globes/layers --set view=tangent"));
+        assert!(!is_asked("globes/layers --set tangent"));
+        assert!(Asked::of("california").is_none());
+    }
+}
