@@ -13,14 +13,14 @@ pub(crate) use section::{SECTION, why_not_settled};
 use crate::STUDY;
 use crate::list::{Eye, List};
 use crate::metrics::{self, API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
-use course::Course;
+use course::{CountedFrame, Course};
 use device::{Counters, NODE_TEXELS, PixelCount, SIDE_PX};
 use quadtree::{Node, Quadtree, Thresholds};
-use scene::{NodeVertices, Picture};
+use scene::Picture;
 use std::collections::BTreeMap;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "counts";
@@ -98,7 +98,10 @@ impl Counts {
                 work,
                 list: list.clone(),
             },
-            open: |group, context| Ok(Box::new(CountPart::new(&group.work, context))),
+            open: |group, context| {
+                let part = CountPart::new(&group.work, context);
+                Ok(Box::new(JudgedOnce::new(part)))
+            },
         }
     }
 
@@ -151,11 +154,11 @@ struct CountPart<'a> {
     group: &'a Counts,
     counters: Counters<'a>,
     /// The last frame of each case.
-    last: BTreeMap<usize, (Eye, NodeVertices)>,
+    last: BTreeMap<usize, CountedFrame>,
 }
 
 /// A loop, and what its paging cost.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 struct Paged {
     course: Course,
     /// CPU time of each frame's paging.
@@ -188,7 +191,6 @@ impl<'a> CountPart<'a> {
         let mut since: BTreeMap<Node, usize> = BTreeMap::new();
         let mut counted: Vec<BTreeMap<Node, u64>> = Vec::new();
         let mut paged = Paged::default();
-        let mut last = None;
         for frame in 0..frames {
             let eye = self.group.eye(&work, frame)?;
             let drawn = picture.drawn(&eye, tree.leaves());
@@ -200,10 +202,13 @@ impl<'a> CountPart<'a> {
                 .collect();
             paged.pixels = counts.values().sum();
             if frame == 0 || frame + 1 == frames {
-                paged.course.compare(&eye, &drawn, &counts);
+                paged.course.ends.push(CountedFrame {
+                    eye,
+                    drawn,
+                    counts: counts.clone(),
+                });
             }
             counted.push(counts);
-            last = Some((eye, drawn));
             let new = match (frame + 1).checked_sub(work.delay) {
                 // A count may be used so many frames after the one that it is of.
                 Some(old) if old <= frame => {
@@ -224,6 +229,7 @@ impl<'a> CountPart<'a> {
             paged.paging_ms.push(watch.cpu_ms());
             paged.course.sizes.push(tree.count() as f64);
         }
+        let last = paged.course.ends.last().cloned();
         self.last.extend(last.map(|last| (case, last)));
         Ok(paged)
     }
@@ -250,15 +256,21 @@ fn verdict(work: &Work, paged: &Paged) -> Verdict {
     judged(reason, figures, vec![("leaves", paged.course.note())])
 }
 
-impl Session for CountPart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for CountPart<'_> {
+    type Shown = Paged;
+
+    fn show(&mut self, case: usize) -> Result<(String, Paged), Failure> {
         let paged = self.run(case)?;
+        Ok((paged.course.hash(), paged))
+    }
+
+    fn judge(&mut self, case: usize, paged: Paged) -> Result<Verdict, Failure> {
         Ok(verdict(&self.group.work[case], &paged))
     }
 
     /// The last frame with its counts read at once, and without counts.
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let (eye, drawn) = verified(&mut self.last, case)?;
+        let CountedFrame { eye, drawn, .. } = verified(&mut self.last, case)?;
         Ok(self.counters.time(self.group.work[case].way, eye, drawn)?)
     }
 }
@@ -286,11 +298,12 @@ mod tests {
                 let case = counts.work.work.iter().position(is_it).expect("planned");
                 match session.run(case) {
                     Ok(Paged { course, .. }) => {
-                        eprintln!("{way:?}: {:?} {:?}", course.sizes, course.against_rays);
-                        assert!(course.against_rays.1 == 0 && course.against_rays.2 > 8);
+                        let against_rays = course.against_rays();
+                        eprintln!("{way:?}: {:?} {against_rays:?}", course.sizes);
+                        assert!(against_rays.1 == 0 && against_rays.2 > 8);
                         assert!(course.settled(1).is_some_and(|frames| frames > 1));
                         ends.push(course.sizes);
-                        let (eye, drawn) = &session.last[&case];
+                        let CountedFrame { eye, drawn, .. } = &session.last[&case];
                         let rays = ByRays::new(eye, drawn);
                         let counts = rays.counts.iter();
                         let mut fewer: BTreeMap<Node, u64> =

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use terrafill_contract::{SurfaceView, ViewId};
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_scene::{Camera, CameraPose, ImageSize};
+use terrafill_study::Depth;
 use terrafill_surface::SurfaceFrame;
 use toml::{Table, Value};
 
@@ -42,6 +43,9 @@ pub(crate) struct ViewRow {
     /// Whether a quick run has it.
     #[serde(default)]
     pub(crate) quick: bool,
+    /// Whether only a full run has it.
+    #[serde(default)]
+    pub(crate) full: bool,
     /// Whether frames over every published number of cells are timed there.
     #[serde(default)]
     pub(crate) all_cells: bool,
@@ -90,8 +94,11 @@ pub(crate) struct SurfaceRow {
     pub(crate) name: String,
     pub(crate) kind: String,
     pub(crate) knob: String,
-    pub(crate) values: Vec<Value>,
-    pub(crate) quick: Vec<Value>,
+    values: Vec<Value>,
+    quick: Vec<Value>,
+    /// Those that only a full run has.
+    #[serde(default)]
+    full: Vec<Value>,
     #[serde(default)]
     pub(crate) expected: Formula,
     /// Whether it has cracks, in which device and rays may differ.
@@ -113,6 +120,19 @@ pub(crate) enum Formula {
     ScreenGrid,
     ScreenError,
     CellShare,
+}
+
+impl SurfaceRow {
+    /// The knob's values of a run.
+    pub(crate) fn values(&self, depth: Depth) -> Vec<Value> {
+        let values = self.values.iter();
+        let planned = values.filter(|value| match depth {
+            Depth::Quick => self.quick.contains(value),
+            Depth::Main => !self.full.contains(value),
+            Depth::Full => true,
+        });
+        planned.cloned().collect()
+    }
 }
 
 impl List {
@@ -204,6 +224,15 @@ impl Eye {
 }
 
 impl ViewRow {
+    /// Whether a run has it.
+    pub(crate) fn is_planned(&self, depth: Depth) -> bool {
+        match depth {
+            Depth::Quick => self.quick,
+            Depth::Main => !self.full,
+            Depth::Full => true,
+        }
+    }
+
     /// The eye over the Earth, in a square image.
     pub(crate) fn eye(&self, side_px: u32) -> Eye {
         self.eye_above(0.0, side_px)
@@ -254,9 +283,21 @@ mod tests {
         assert_eq!(names.len(), count);
         for row in &list.surface {
             assert!(row.values.iter().all(|value| number(value).is_some()));
-            assert!(row.quick.iter().all(|value| row.values.contains(value)));
+            let [quick, main, full] =
+                [Depth::Quick, Depth::Main, Depth::Full].map(|at| row.values(at));
+            assert_eq!((quick.len(), &full), (row.quick.len(), &row.values));
+            // What is quick is at the default depth too, and what is named for a full run is a value.
+            assert!(
+                quick.iter().all(|value| main.contains(value)),
+                "{}",
+                row.name
+            );
+            assert_eq!(main.len() + row.full.len(), full.len(), "{}", row.name);
         }
         assert!(list.view.iter().any(|view| view.quick));
+        let views = list.view.iter().chain(&list.tiled_view);
+        assert!(views.clone().all(|view| !(view.quick && view.full)));
+        assert!(views.clone().any(|view| view.full));
         // Negative control: a key that there is not, and a formula that there is not.
         let wrong = PLAN.replacen("pitch_deg", "pitch", 1);
         assert!(List::parse(&wrong).is_err_and(|error| error.contains("pitch")));

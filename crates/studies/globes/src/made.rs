@@ -17,6 +17,7 @@ use crate::list::{Eye, List};
 use crate::metrics::{self, HEIGHTS, LAW, LOOKUP, SIZE_PX, TRIG, VERTICES, VIEW};
 use crate::opened::Opened;
 use crate::shading::KIND;
+use crate::sight::fingerprint;
 use device::{MadeScene, MadeTargets, Making};
 use glam::DVec3;
 use heights::HeightCube;
@@ -29,7 +30,7 @@ use terrafill_plot::number::significant;
 use terrafill_results::{CaseId, PlannedCase, RunInput, Skipped, Verdict};
 use terrafill_scene::Scene;
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Session, files_read, judged, verified,
+    CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, files_read, judged, verified,
 };
 use toml::Value;
 
@@ -198,12 +199,12 @@ impl MadeGlobes {
                 fields,
             },
             open: |group, context| {
-                Ok(Box::new(MadePart {
+                Ok(Box::new(JudgedOnce::new(MadePart {
                     group: &group.work,
                     context,
                     targets: None,
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -248,8 +249,19 @@ fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
     (px, metres, lost)
 }
 
-impl Session for MadePart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+/// A picture, and the vertices that it was drawn from where they can be read back.
+struct ShownSpiral {
+    eye: Eye,
+    spiral: Spiral,
+    /// Bits of distances.
+    picture: Vec<u32>,
+    vertices: Option<Vec<[f32; 3]>>,
+    sent: u64,
+}
+
+impl MadePart<'_> {
+    /// Draws a case, or what the compute shader makes of the same view.
+    fn drawn(&mut self, case: usize, is_twin: bool) -> Result<(MadeScene, ShownSpiral), Failure> {
         let work = self.group.work[case];
         let eye = self.group.eye(&work)?;
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
@@ -259,32 +271,59 @@ impl Session for MadePart<'_> {
             None => targets.insert(MadeTargets::new(&gpu, eye.size, N)?),
         };
         let spiral = self.group.spiral(&eye, &work);
-        let lookup = work.terrain.map(|(_, lookup)| lookup);
+        let source = if is_twin {
+            Source::Compute
+        } else {
+            work.source
+        };
         let making = Making {
-            source: work.source,
-            lookup,
+            source,
+            lookup: work.terrain.map(|(_, lookup)| lookup),
             has_series: work.has_series,
             is_stored: work.source == Source::Static,
         };
         let mut scene = targets.scene(&spiral, making)?;
         let sent = targets.send(&mut scene, &eye, &spiral);
         targets.draw(&scene)?;
-        let picture = targets.read()?;
-        // What the compute shader made of the same view: the vertex stage is held to it.
-        let compute = Making {
-            source: Source::Compute,
-            ..making
+        let vertices = match source {
+            Source::Sent => Some(spiral.vertices()),
+            Source::Compute => Some(targets.vertices(&scene)?),
+            Source::Number | Source::Static => None,
         };
-        let mut twin = targets.scene(&spiral, compute)?;
-        targets.send(&mut twin, &eye, &spiral);
-        targets.draw(&twin)?;
-        let other = targets.read()?;
-        let made = match work.source {
-            Source::Sent => spiral.vertices(),
-            Source::Compute | Source::Number | Source::Static => targets.vertices(&twin)?,
+        let shown = ShownSpiral {
+            eye,
+            spiral,
+            picture: targets.read()?,
+            vertices,
+            sent,
         };
-        let (px, metres, lost) = against(&eye, &spiral, &made);
-        let differs = picture.iter().zip(&other).filter(|(a, b)| a != b).count();
+        Ok((scene, shown))
+    }
+}
+
+impl Shows for MadePart<'_> {
+    type Shown = ShownSpiral;
+
+    fn show(&mut self, case: usize) -> Result<(String, ShownSpiral), Failure> {
+        let (scene, shown) = self.drawn(case, false)?;
+        self.ready.insert(case, scene);
+        let vertices = shown.vertices.as_deref().unwrap_or_default();
+        let [picture, vertices] = [
+            bytemuck::cast_slice(&shown.picture),
+            bytemuck::cast_slice(vertices),
+        ];
+        Ok((fingerprint(&[picture, vertices]), shown))
+    }
+
+    fn judge(&mut self, case: usize, shown: ShownSpiral) -> Result<Verdict, Failure> {
+        let work = self.group.work[case];
+        // The vertex stage is held to what the compute shader made of the same view.
+        let (_, twin) = self.drawn(case, true)?;
+        let ShownSpiral { eye, spiral, .. } = &shown;
+        let made = shown.vertices.as_ref().or(twin.vertices.as_ref());
+        let (px, metres, lost) = against(eye, spiral, made.map_or(&[], Vec::as_slice));
+        let pixels = shown.picture.iter().zip(&twin.picture);
+        let differs = pixels.filter(|(a, b)| a != b).count();
         let mut reasons = Vec::new();
         if lost > 0 {
             reasons.push(format!("{lost} vertices are not finite, allowed 0"));
@@ -301,7 +340,6 @@ impl Session for MadePart<'_> {
                 "{differs} pixels differ from those of the vertices that the compute shader made, allowed 0"
             ));
         }
-        self.ready.insert(case, scene);
         let mut figures = vec![
             ("globe_made_px_max", px),
             ("globe_made_m_max", metres),
@@ -309,11 +347,13 @@ impl Session for MadePart<'_> {
             ("globe_non_finite", lost as f64),
             ("globe_triangles", spiral.triangles().len() as f64),
             ("globe_vertices", f64::from(spiral.count())),
-            ("globe_upload_bytes", sent as f64),
+            ("globe_upload_bytes", shown.sent as f64),
         ];
-        if work.source == Source::Static {
-            figures.push(("globe_stored_bytes", targets.stored_bytes() as f64));
-        }
+        let targets = self
+            .targets
+            .as_ref()
+            .filter(|_| work.source == Source::Static);
+        figures.extend(targets.map(|of| ("globe_stored_bytes", of.stored_bytes() as f64)));
         let heights = self.group.heights(&work);
         figures.extend(heights.map(|field| ("globe_height_bytes", field.bytes() as f64)));
         Ok(judged(reasons.join(", "), figures, Vec::new()))

@@ -26,6 +26,7 @@ pub(crate) use way::{KIND, PART};
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
+use crate::error::sorted;
 use crate::image::write_png;
 use crate::list::{Eye, List};
 use crate::made::spiral::{Law, Spiral};
@@ -42,8 +43,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_results::{Case, PlannedCase, Status, Verdict, quantile};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
+use terrafill_results::{Case, PlannedCase, Verdict, quantile};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 use texels::Pictures;
 use work::{ABLATION_N, Work, work};
 
@@ -52,8 +53,6 @@ const FACE: u32 = 1024;
 const QUICK_FACE: u32 = 256;
 /// Share of a picture's pixels that wrong layers must be found in.
 const CONTROL_SHARE: f64 = 0.01;
-/// Note with the hash of a picture.
-const PIXELS: &str = "pixels";
 
 /// All work on shading, as one group of cases.
 pub(crate) struct Shadings {
@@ -95,7 +94,7 @@ impl Shadings {
                 sources,
             },
             open: |group, context| {
-                Ok(Box::new(ShadingPart {
+                Ok(Box::new(JudgedOnce::new(ShadingPart {
                     group: &group.work,
                     cases: &group.cases,
                     context,
@@ -103,7 +102,7 @@ impl Shadings {
                     targets: BTreeMap::new(),
                     met: None,
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -186,9 +185,10 @@ impl ShadingPart<'_> {
         let mut add = |name, of: &[f64], share| {
             figures.extend(quantile(of, share).map(|value| (name, value)));
         };
+        let all = sorted(found.all);
         add("globe_shade_texels_max", &found.from_texels, 1.0);
-        add("globe_shade_max", &found.all, 1.0);
-        add("globe_shade_p99", &found.all, 0.99);
+        add("globe_shade_max", &all, 1.0);
+        add("globe_shade_p99", &all, 0.99);
         add("globe_shade_polar_max", &found.polar, 1.0);
         add("globe_shade_polar_p99", &found.polar, 0.99);
         if work.is_stored {
@@ -240,16 +240,6 @@ struct Drawn {
     picture: Vec<[f32; 4]>,
 }
 
-impl Drawn {
-    /// Of the picture's bytes, for the note that later processes are held to.
-    fn hash(&self) -> String {
-        format!(
-            "{:016x}",
-            fingerprint(&[bytemuck::cast_slice(&self.picture)])
-        )
-    }
-}
-
 impl ShadingPart<'_> {
     fn drawn(&mut self, case: usize) -> Result<Drawn, Failure> {
         let work = self.group.work[case];
@@ -285,14 +275,21 @@ impl ShadingPart<'_> {
     }
 }
 
-impl Session for ShadingPart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let work = self.group.work[case];
+impl Shows for ShadingPart<'_> {
+    type Shown = Drawn;
+
+    fn show(&mut self, case: usize) -> Result<(String, Drawn), Failure> {
         let drawn = self.drawn(case)?;
+        let hash = fingerprint(&[bytemuck::cast_slice(&drawn.picture)]);
+        Ok((hash, drawn))
+    }
+
+    fn judge(&mut self, case: usize, drawn: Drawn) -> Result<Verdict, Failure> {
+        let work = self.group.work[case];
         let (reason, mut figures) = self.judged(&work, &drawn);
         figures.push(("globe_triangles", drawn.triangles.len() as f64));
         figures.push(("globe_upload_bytes", drawn.sent as f64));
-        let mut notes = vec![(PIXELS, drawn.hash())];
+        let mut notes = Vec::new();
         if work.what != "tessellation" {
             let name = self.cases[case].id.key().replace(['/', '='], "-");
             let size = [work.size_px; 2];
@@ -301,23 +298,6 @@ impl Session for ShadingPart<'_> {
             notes.push(("picture", path));
         }
         Ok(judged(reason, figures, notes))
-    }
-
-    fn recheck(
-        &mut self,
-        case: usize,
-        status: Status,
-        notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, Failure> {
-        let hash = self.drawn(case)?.hash();
-        if notes.get(PIXELS) != Some(&hash) {
-            let reason = "it draws other pixels than in the process that verified it";
-            return Err(Failure::broken(reason));
-        }
-        Ok(Verdict {
-            status,
-            ..Verdict::default()
-        })
     }
 
     /// A frame as the paper's measurements have it: a mesh that is not stored is made and sent anew.

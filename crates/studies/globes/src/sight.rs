@@ -15,10 +15,10 @@ use std::collections::btree_map::Entry;
 use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_contract::{DeviceError, SurfaceInterface, SurfaceTargets, ViewConstants};
+use terrafill_contract::{DeviceError, Picture, SurfaceInterface, SurfaceTargets, ViewConstants};
 use terrafill_gpu::RayCast;
-use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
-use terrafill_study::{CaseGroup, Context, Depth, Failure, Figures, Session, verified};
+use terrafill_results::{CaseId, PlannedCase, Verdict};
+use terrafill_study::{CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, verified};
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 use toml::Value;
 
@@ -69,11 +69,7 @@ pub(crate) fn works(rows: &[SurfaceRow], depth: Depth) -> Vec<Work> {
     };
     let mut works = Vec::new();
     for row in rows {
-        let values = match depth {
-            Depth::Quick => &row.quick,
-            Depth::Main | Depth::Full => &row.values,
-        };
-        for value in values {
+        for value in row.values(depth) {
             works.extend(interfaces.iter().map(|&interface| Work {
                 surface: Some(Chosen {
                     row: row.clone(),
@@ -149,13 +145,13 @@ impl SurfacesView {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(SightPart {
+                Ok(Box::new(JudgedOnce::new(SightPart {
                     sight: &group.work,
                     context,
                     targets: BTreeMap::new(),
                     judged: BTreeMap::new(),
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -171,7 +167,7 @@ struct Judged {
 struct Ready {
     surface: Option<Arc<dyn Surface>>,
     /// Of the triangles that were verified.
-    fingerprint: u64,
+    triangles: String,
 }
 
 struct SightPart<'a> {
@@ -203,7 +199,7 @@ impl SightPart<'_> {
         let frame = frame.transpose()?;
         let ready = Ready {
             surface,
-            fingerprint: frame.as_ref().map_or(0, of_triangles),
+            triangles: frame.as_ref().map_or_else(String::new, of_triangles),
         };
         self.ready.insert(case, ready);
         Ok(frame)
@@ -225,17 +221,23 @@ impl SightPart<'_> {
     }
 }
 
-impl Session for SightPart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for SightPart<'_> {
+    type Shown = (Option<SurfaceFrame>, Picture);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
         let frame = self.make_ready(case)?;
-        let hash = self.ready[&case].fingerprint;
         let nothing = no_triangles();
         let drawn = frame.as_ref().unwrap_or(&nothing);
         self.draw(case, drawn, &mut FrameWatch::start())?;
+        let picture = self.targets[self.sight.works[case].targets()].read()?;
+        let depths = fingerprint(&[bytemuck::cast_slice(&picture.depth)]);
+        let hash = format!("{}-{depths}", self.ready[&case].triangles);
+        Ok((hash, (frame, picture)))
+    }
+
+    fn judge(&mut self, case: usize, (frame, picture): Self::Shown) -> Result<Verdict, Failure> {
         let SurfacesView { eye, works, .. } = self.sight;
         let work = &works[case];
-        let picture = self.targets[work.targets()].read()?;
-        let of_device = of_depth(eye, &picture);
         let (judged, otherwise) = if let (Some(chosen), Some(frame)) = (&work.surface, &frame) {
             let key = format!("{} {}", chosen.row.kind, chosen.parameters());
             let judged = self.judged.entry(key).or_insert_with(|| {
@@ -246,7 +248,8 @@ impl Session for SightPart<'_> {
                 })
             });
             let width = eye.size.width as usize;
-            let otherwise = drawn_otherwise(width, &judged.errors.shown, &of_device.shown);
+            let shown: Vec<bool> = picture.depth.iter().map(|depth| *depth != 0.0).collect();
+            let otherwise = drawn_otherwise(width, &judged.errors.shown, &shown);
             (Rc::clone(judged), Some(otherwise))
         } else {
             let by_construction = Expected {
@@ -256,7 +259,7 @@ impl Session for SightPart<'_> {
                 by: "0 by construction",
             };
             let judged = Judged {
-                errors: of_device,
+                errors: of_depth(eye, &picture),
                 expected: by_construction,
             };
             (Rc::new(judged), None)
@@ -269,35 +272,14 @@ impl Session for SightPart<'_> {
             figures.push(("globe_stated_lowest_m", frame.heights.lowest_m));
         }
         figures.extend(otherwise.map(|px| ("globe_drawn_otherwise_px", px as f64)));
-        let notes = vec![
-            ("triangles", format!("{hash:016x}")),
-            ("expected-by", judged.expected.by.to_owned()),
-        ];
+        let notes = vec![("expected-by", judged.expected.by.to_owned())];
         let reason = standing(&judged.errors, otherwise);
         Ok(terrafill_study::judged(reason, figures, notes))
     }
 
-    fn recheck(
-        &mut self,
-        case: usize,
-        status: Status,
-        notes: &BTreeMap<String, String>,
-    ) -> Result<Verdict, Failure> {
-        self.make_ready(case)?;
-        let hash = format!("{:016x}", self.ready[&case].fingerprint);
-        if notes.get("triangles") != Some(&hash) {
-            let reason = "it makes other triangles than in the process that verified it";
-            return Err(Failure::broken(reason));
-        }
-        Ok(Verdict {
-            status,
-            ..Verdict::default()
-        })
-    }
-
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let ready = verified(&mut self.ready, case)?;
-        let (surface, hash) = (ready.surface.clone(), ready.fingerprint);
+        let (surface, triangles) = (ready.surface.clone(), ready.triangles.clone());
         let mut watch = FrameWatch::start();
         let frame = match &surface {
             Some(surface) => self.frame(surface)?,
@@ -306,7 +288,7 @@ impl Session for SightPart<'_> {
         watch.ends("globe_make_cpu_ms");
         let gpu_ms = self.draw(case, &frame, &mut watch)?;
         let values = watch.drawn(gpu_ms);
-        if surface.is_some() && of_triangles(&frame) != hash {
+        if surface.is_some() && of_triangles(&frame) != triangles {
             return Err(Failure::broken(OTHER_TRIANGLES));
         }
         Ok(values)
@@ -316,16 +298,16 @@ impl Session for SightPart<'_> {
 /// Why a case whose [`fingerprint`] has changed is not timed.
 pub(crate) const OTHER_TRIANGLES: &str = "it made other triangles than when it was verified";
 
-/// Of what a device reads.
-pub(crate) fn fingerprint(parts: &[&[u8]]) -> u64 {
+/// Hash of what a device reads or writes.
+pub(crate) fn fingerprint(parts: &[&[u8]]) -> String {
     let mut hasher = DefaultHasher::new();
     for part in parts {
         hasher.write(part);
     }
-    hasher.finish()
+    format!("{:016x}", hasher.finish())
 }
 
-fn of_triangles(frame: &SurfaceFrame) -> u64 {
+fn of_triangles(frame: &SurfaceFrame) -> String {
     let vertices = bytemuck::cast_slice(&frame.vertices_rte);
     fingerprint(&[vertices, bytemuck::cast_slice(&frame.triangles)])
 }

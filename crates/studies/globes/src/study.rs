@@ -46,7 +46,7 @@ impl Study for GlobesStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let list = List::shipped().map_err(StudyError::BadInput)?;
         let is_quick = request.depth == Depth::Quick;
-        let is_planned = |view: &&ViewRow| view.quick || !is_quick;
+        let is_planned = |view: &&ViewRow| view.is_planned(request.depth);
         let left_out = |what: &str, reason| Skipped {
             what: format!("{STUDY}/{what}"),
             reason,
@@ -69,7 +69,7 @@ impl Study for GlobesStudy {
         }
         if opened.has(tiled::KIND) {
             for view in list.tiled_view.iter().filter(is_planned) {
-                let options = Options::of_view(is_quick);
+                let options = Options::of_view(request.depth);
                 groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
                 if view.all_cells {
                     groups.push(Box::new(cells::planned(view, sizes, &opened)));
@@ -102,7 +102,7 @@ impl Study for GlobesStudy {
         inputs.extend(of_heights);
         groups.push(Box::new(MadeGlobes::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
-        groups.push(Box::new(Zones::planned(is_quick, sizes.1)));
+        groups.push(Box::new(Zones::planned(request.depth, sizes.1)));
         Ok(Planned {
             groups,
             skipped,

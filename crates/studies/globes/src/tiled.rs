@@ -17,6 +17,7 @@ pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
+use crate::error::sorted;
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::opened::Opened;
@@ -25,14 +26,15 @@ use choose::chosen;
 use device::{MapScene, MapTargets};
 use mesh::{MapMesh, map_mesh};
 use options::Options;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 use terrafill_surface::{Surface, SurfaceFrame};
-use tile_set::{ADDRESSES, Content, Shown, TileSet};
-use truth::{Tile, Truth, body_truths, off_texels, tiles, tiles_of, truths};
+use tile_set::{ADDRESSES, Content, Shown, TileSet, shown};
+use truth::{Tile, Truth, body_truths, frame_level, off_texels, tiles, tiles_of, truths};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "tiles";
@@ -103,14 +105,14 @@ impl Tiled {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(TiledPart {
+                Ok(Box::new(JudgedOnce::new(TiledPart {
                     group: &group.work,
                     context,
                     targets: None,
                     truths: None,
                     of_body: None,
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -130,7 +132,8 @@ impl Tiled {
 struct Ready {
     surface: Arc<dyn Surface>,
     scene: MapScene,
-    fingerprint: u64,
+    /// Hash of the triangles that were verified.
+    mesh: String,
 }
 
 struct TiledPart<'a> {
@@ -169,34 +172,35 @@ struct TiledErrors {
 /// Texels by which a pixel beside the seam may be off.
 const ALLOWED_TEXELS: f64 = 0.5;
 
-/// - `at_hand`: tiles that the picture was drawn from
-fn judge(
-    truths: &[Option<Truth>],
-    shown: &[Shown],
-    options: &Options,
-    at_hand: &BTreeSet<Tile>,
-) -> TiledErrors {
-    let by_fragment = options.by_fragment;
-    let mut found = TiledErrors::default();
-    for (truth, shown) in truths.iter().zip(shown) {
-        let Some(truth) = truth else { continue };
+impl TiledErrors {
+    /// Adds a pixel that shows the surface.
+    ///
+    /// - `at_hand`: tiles that the picture was drawn from
+    fn add(
+        mut self,
+        truth: &Truth,
+        shown: Shown,
+        options: &Options,
+        at_hand: &BTreeSet<Tile>,
+    ) -> Self {
+        let by_fragment = options.by_fragment;
         let off = match shown {
-            Shown::Texel(texel) => Some(off_texels(*texel, &truth.drawn, by_fragment)),
+            Shown::Texel(texel) => Some(off_texels(texel, &truth.drawn, by_fragment)),
             Shown::Missing | Shown::Nothing => None,
         };
-        found.missing_px += usize::from(off.is_none());
+        self.missing_px += usize::from(off.is_none());
         if let Shown::Texel(texel) = shown {
-            found.shown.insert(texel.tile);
+            self.shown.insert(texel.tile);
         }
-        found.cap_px += usize::from(truth.drawn.cap.is_some());
+        self.cap_px += usize::from(truth.drawn.cap.is_some());
         if truth.holds_pole {
-            found.pole_px += 1;
+            self.pole_px += 1;
         } else {
-            found.drawn.extend(off);
+            self.drawn.extend(off);
         }
         if truth.is_at_seam && truth.drawn.cap.is_none() {
-            found.seam_px += 1;
-            found.seam_wrong_px += usize::from(off.is_none_or(|off| off > ALLOWED_TEXELS));
+            self.seam_px += 1;
+            self.seam_wrong_px += usize::from(off.is_none_or(|off| off > ALLOWED_TEXELS));
         }
         let is_at_hand = || {
             let [from, to] = truth.levels;
@@ -205,53 +209,129 @@ fn judge(
                 || truth.drawn.is_on_map(by_fragment) && asked.all(|tile| at_hand.contains(&tile))
         };
         let is_off = off.is_none_or(|off| off > ALLOWED_TEXELS);
-        found.wrong_px += usize::from(is_off && !truth.holds_pole && is_at_hand());
+        self.wrong_px += usize::from(is_off && !truth.holds_pole && is_at_hand());
         if let (Shown::Texel(texel), Some(body)) = (shown, &truth.body) {
-            found.body.push(off_texels(*texel, body, by_fragment));
+            self.body.push(off_texels(texel, body, by_fragment));
         }
+        self
     }
-    found
+
+    /// Of two parts of a picture.
+    fn with(mut self, mut other: Self) -> Self {
+        self.drawn.append(&mut other.drawn);
+        self.body.append(&mut other.body);
+        self.shown.append(&mut other.shown);
+        self.seam_px += other.seam_px;
+        self.seam_wrong_px += other.seam_wrong_px;
+        self.pole_px += other.pole_px;
+        self.cap_px += other.cap_px;
+        self.missing_px += other.missing_px;
+        self.wrong_px += other.wrong_px;
+        self
+    }
 }
 
-fn of_mesh(mesh: &MapMesh) -> u64 {
+/// - `at_hand`: as of [`TiledErrors::add`]
+fn judge(
+    truths: &[Option<Truth>],
+    shown: &[Shown],
+    options: &Options,
+    at_hand: &BTreeSet<Tile>,
+) -> TiledErrors {
+    let pixels = truths.par_iter().zip(shown);
+    let pixels = pixels.filter_map(|(truth, shown)| Some((truth.as_ref()?, *shown)));
+    pixels
+        .fold(TiledErrors::default, |found, (truth, shown)| {
+            found.add(truth, shown, options, at_hand)
+        })
+        .reduce(TiledErrors::default, TiledErrors::with)
+}
+
+fn of_mesh(mesh: &MapMesh) -> String {
     fingerprint(&[bytemuck::cast_slice(&mesh.vertices)])
 }
 
-impl Session for TiledPart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+/// A picture of addresses, and what it was drawn from.
+struct ShownTiles {
+    frame: SurfaceFrame,
+    mesh: MapMesh,
+    addresses: Vec<u32>,
+    sent: u64,
+}
+
+impl TiledPart<'_> {
+    /// Of a grid's frame, remembered.
+    fn truths(&mut self, n: u32, frame: &SurfaceFrame) -> Rc<Vec<Option<Truth>>> {
+        let truths = match &self.truths {
+            Some((known, truths)) if *known == n => Rc::clone(truths),
+            _ => Rc::new(truths(&self.group.eye, frame)),
+        };
+        self.truths = Some((n, Rc::clone(&truths)));
+        truths
+    }
+}
+
+impl Shows for TiledPart<'_> {
+    type Shown = ShownTiles;
+
+    fn show(&mut self, case: usize) -> Result<(String, ShownTiles), Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
         let surface = grid(&self.group.opened, options.n)?;
         let (frame, mesh) = self.group.mesh(&surface, &options)?;
-        let truths = match &self.truths {
-            Some((n, known)) if *n == options.n => Rc::clone(known),
-            _ => Rc::new(truths(eye, &frame)),
-        };
-        self.truths = Some((options.n, Rc::clone(&truths)));
-        let targets = &mut self.targets;
-        let targets = targets.get_or_insert_with(|| MapTargets::new(&gpu, eye.size, ADDRESSES));
-        let all = match self.group.tiles {
-            TilesOf::Drawn => tiles(&truths, &options),
+        let (all, level) = match self.group.tiles {
+            TilesOf::Drawn => {
+                let truths = self.truths(options.n, &frame);
+                (tiles(&truths, &options), frame_level(&truths, &options))
+            }
             TilesOf::Body => {
                 let of_body = || tiles(&body_truths(eye), &options);
-                self.of_body.get_or_insert_with(of_body).clone()
+                (self.of_body.get_or_insert_with(of_body).clone(), None)
             }
-            TilesOf::Corners => chosen(eye, &mesh)?.into_iter().collect(),
+            TilesOf::Corners => (chosen(eye, &mesh)?.into_iter().collect(), None),
         };
-        let at_hand = all.iter().copied().collect();
-        let mut scene = targets.scene(&options, &truths, (all, Content::Addresses))?;
+        let targets = &mut self.targets;
+        let targets = targets.get_or_insert_with(|| MapTargets::new(&gpu, eye.size, ADDRESSES));
+        let mut scene = targets.scene(&options, level, (all, Content::Addresses))?;
         let sent = targets.send(&mut scene, eye, &options, &mesh);
         targets.draw(&scene)?;
-        let shown = targets.shown(&scene)?;
-        let found = judge(&truths, &shown, &options, &at_hand);
-        let verdict = verdict(&found, self.group.tiles, (&mesh, &scene), sent);
+        let addresses = targets.addresses()?;
+        let keys: Vec<[u32; 4]> = scene.set.tiles.iter().map(|tile| tile.key()).collect();
+        let [keys, shown] = [
+            bytemuck::cast_slice(&keys),
+            bytemuck::cast_slice(&addresses),
+        ];
+        let hash = format!("{}-{}", of_mesh(&mesh), fingerprint(&[keys, shown]));
         let ready = Ready {
             surface,
             scene,
-            fingerprint: of_mesh(&mesh),
+            mesh: of_mesh(&mesh),
         };
         self.ready.insert(case, ready);
-        Ok(verdict)
+        let shown = ShownTiles {
+            frame,
+            mesh,
+            addresses,
+            sent,
+        };
+        Ok((hash, shown))
+    }
+
+    fn judge(&mut self, case: usize, drawn: ShownTiles) -> Result<Verdict, Failure> {
+        let options = self.group.options[case];
+        let truths = self.truths(options.n, &drawn.frame);
+        let Ready { scene, .. } = verified(&mut self.ready, case)?;
+        let all = &scene.set.tiles;
+        let pixels = drawn.addresses.iter();
+        let pixels: Vec<Shown> = pixels.map(|address| shown(all, *address)).collect();
+        let at_hand = all.iter().copied().collect();
+        let found = judge(&truths, &pixels, &options, &at_hand);
+        Ok(verdict(
+            found,
+            self.group.tiles,
+            (&drawn.mesh, scene),
+            drawn.sent,
+        ))
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
@@ -275,7 +355,7 @@ impl Session for TiledPart<'_> {
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(&ready.scene)?;
         let values = watch.drawn(gpu_ms);
-        if of_mesh(&mesh) != ready.fingerprint {
+        if of_mesh(&mesh) != ready.mesh {
             return Err(Failure::broken(OTHER_TRIANGLES));
         }
         Ok(values)
@@ -288,7 +368,7 @@ fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> {
 }
 
 fn verdict(
-    found: &TiledErrors,
+    found: TiledErrors,
     of: TilesOf,
     (mesh, scene): (&MapMesh, &MapScene),
     sent: u64,
@@ -312,14 +392,15 @@ fn verdict(
         ("globe_triangles", (mesh.vertices.len() / 3) as f64),
         ("globe_upload_bytes", sent as f64),
     ];
+    let [drawn, body] = [found.drawn, found.body].map(sorted);
     let mut add = |name, of: &[f64], share| {
         figures.extend(quantile(of, share).map(|value| (name, value)));
     };
-    add("globe_tile_texels_max", &found.drawn, 1.0);
-    add("globe_tile_texels_p99", &found.drawn, 0.99);
-    add("globe_tile_true_texels_max", &found.body, 1.0);
-    add("globe_tile_true_texels_p99", &found.body, 0.99);
-    add("globe_tile_true_texels_median", &found.body, 0.5);
+    add("globe_tile_texels_max", &drawn, 1.0);
+    add("globe_tile_texels_p99", &drawn, 0.99);
+    add("globe_tile_true_texels_max", &body, 1.0);
+    add("globe_tile_true_texels_p99", &body, 0.99);
+    add("globe_tile_true_texels_median", &body, 0.5);
     // Counted and not judged: coarse grids over the whole globe have some, at 1,024² up to 264, whose cause is not separated.
     if of != TilesOf::Drawn {
         figures.push(("globe_tile_wrong_px", found.wrong_px as f64));
@@ -333,8 +414,7 @@ fn verdict(
             found.seam_px
         ),
     };
-    let notes = vec![("triangles", format!("{:016x}", of_mesh(mesh)))];
-    judged(reason, figures, notes)
+    judged(reason, figures, Vec::new())
 }
 
 #[cfg(test)]

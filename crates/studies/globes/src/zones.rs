@@ -10,16 +10,17 @@ mod section;
 pub(crate) use section::SECTION;
 
 use crate::STUDY;
-use crate::counts::course::Course;
+use crate::counts::course::{CountedFrame, Course};
 use crate::counts::device::{Counters, PixelCount, SIDE_PX};
-use crate::counts::scene::NodeVertices;
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use rule::ZoneRule;
 use std::collections::BTreeMap;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged, verified};
+use terrafill_study::{
+    CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, judged, verified,
+};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "zones";
@@ -60,9 +61,14 @@ pub(crate) struct Zones {
 }
 
 impl Zones {
-    pub(crate) fn planned(is_quick: bool, samples: u32) -> CaseGroup<Self> {
-        let ways = &PixelCount::ALL[..if is_quick { 1 } else { 2 }];
-        let all = &WANTED[..if is_quick { 1 } else { WANTED.len() }];
+    pub(crate) fn planned(depth: Depth, samples: u32) -> CaseGroup<Self> {
+        let ways = &PixelCount::ALL[..if depth == Depth::Quick { 1 } else { 2 }];
+        // Other wishes are more of the same: only a full run has them.
+        let all = &WANTED[..if depth == Depth::Full {
+            WANTED.len()
+        } else {
+            1
+        }];
         let mut work = Vec::new();
         for &way in ways {
             for spike_m in SPIKES_M {
@@ -103,7 +109,10 @@ impl Zones {
             cases: cases.collect(),
             warm_up: None,
             work: Self { work },
-            open: |group, context| Ok(Box::new(ZonePart::new(&group.work, context))),
+            open: |group, context| {
+                let part = ZonePart::new(&group.work, context);
+                Ok(Box::new(JudgedOnce::new(part)))
+            },
         }
     }
 }
@@ -126,7 +135,7 @@ struct ZonePart<'a> {
     /// By way and height of the spikes: what they hide.
     hides: BTreeMap<(&'static str, u64), f64>,
     /// The last frame of each case.
-    last: BTreeMap<usize, NodeVertices>,
+    last: BTreeMap<usize, CountedFrame>,
 }
 
 impl<'a> ZonePart<'a> {
@@ -185,8 +194,11 @@ impl<'a> ZonePart<'a> {
             let triangles = levels.iter().map(|level| rule.triangles(*level));
             course.sizes.push(triangles.sum());
             if frame == 0 || frame + 1 == FRAMES {
-                course.compare(&eye, &drawn, &counted[frame]);
-                self.last.insert(case, drawn);
+                course.ends.push(CountedFrame {
+                    eye,
+                    drawn,
+                    counts: counted[frame].clone(),
+                });
             }
             let Some(old) = (frame + 1).checked_sub(DELAY) else {
                 continue;
@@ -205,15 +217,22 @@ impl<'a> ZonePart<'a> {
                 }
             }
         }
+        let last = course.ends.last().cloned();
+        self.last.extend(last.map(|last| (case, last)));
         Ok(course)
     }
 }
 
-impl Session for ZonePart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        let work = self.group.work[case];
-        let hides = self.hidden(work)?;
+impl Shows for ZonePart<'_> {
+    type Shown = Course;
+
+    fn show(&mut self, case: usize) -> Result<(String, Course), Failure> {
         let course = self.run(case)?;
+        Ok((course.hash(), course))
+    }
+
+    fn judge(&mut self, case: usize, course: Course) -> Result<Verdict, Failure> {
+        let hides = self.hidden(self.group.work[case])?;
         let (mut figures, reason) = course.exactness();
         figures.push(("globe_zone_hides", hides));
         figures.extend(course.rest(DELAY));
@@ -224,9 +243,9 @@ impl Session for ZonePart<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        let drawn = verified(&mut self.last, case)?;
+        let CountedFrame { eye, drawn, .. } = verified(&mut self.last, case)?;
         let way = self.group.work[case].way;
-        Ok(self.counters.time(way, &eye(), drawn)?)
+        Ok(self.counters.time(way, eye, drawn)?)
     }
 }
 
@@ -238,7 +257,7 @@ mod tests {
     #[test]
     fn spikes_let_zones_cycle_and_a_wide_hysteresis_stops_them() {
         on_device(terrafill_gpu::shared_gpu, |context| {
-            let zones = Zones::planned(true, 1);
+            let zones = Zones::planned(Depth::Quick, 1);
             let mut part = ZonePart::new(&zones.work, context);
             let mut of = |spike_m: f64, hysteresis: f64| {
                 let mut work = zones.work.work.iter();
@@ -246,12 +265,13 @@ mod tests {
                 let case = work.position(is_it).expect("planned");
                 let hides = part.hidden(zones.work.work[case]).unwrap_or(f64::NAN);
                 let course = part.run(case).expect("counted");
+                let against_rays = course.against_rays();
                 eprintln!(
                     "spikes of {spike_m} m, hysteresis {hysteresis}: hide all but 1/{hides:.2}, rest after {:?}, {:?}",
                     course.settled(DELAY),
-                    course.against_rays
+                    against_rays
                 );
-                assert_eq!(course.against_rays.1, 0);
+                assert_eq!(against_rays.1, 0);
                 (hides, course.settled(DELAY))
             };
             let (plain, rest) = of(0.0, 4.0);

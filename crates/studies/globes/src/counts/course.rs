@@ -4,6 +4,7 @@
 use super::quadtree::Node;
 use super::scene::{ByRays, NodeVertices};
 use crate::list::Eye;
+use crate::sight::fingerprint;
 use std::collections::BTreeMap;
 use terrafill_lab::Cases;
 use terrafill_plot::Courses;
@@ -11,28 +12,48 @@ use terrafill_results::{Block, Case, ChapterError};
 use terrafill_study::Figures;
 
 /// What a loop did.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Course {
     /// Leaves of a tree or triangles of zones, frame by frame.
     pub(crate) sizes: Vec<f64>,
     /// The last frame in which anything changed.
     pub(crate) last_change: Option<usize>,
-    /// Largest difference from rays, nodes off by more than their edges, and nodes compared.
-    pub(crate) against_rays: (u64, usize, usize),
+    /// The first frame and the last one.
+    pub(crate) ends: Vec<CountedFrame>,
+}
+
+/// What was drawn in a frame, and its counts.
+#[derive(Debug, Clone)]
+pub(crate) struct CountedFrame {
+    pub(crate) eye: Eye,
+    pub(crate) drawn: NodeVertices,
+    pub(crate) counts: BTreeMap<Node, u64>,
 }
 
 impl Course {
-    /// Holds a frame's counts against rays.
-    pub(crate) fn compare(
-        &mut self,
-        eye: &Eye,
-        drawn: &NodeVertices,
-        counts: &BTreeMap<Node, u64>,
-    ) {
-        let (largest, wrong) = ByRays::new(eye, drawn).against(counts);
-        let (so_far, so_wrong, compared) = self.against_rays;
-        let nodes = compared + drawn.nodes.len();
-        self.against_rays = (so_far.max(largest), so_wrong + wrong, nodes);
+    /// Largest difference of counts from rays, nodes off by more than their edges, and nodes compared.
+    pub(crate) fn against_rays(&self) -> (u64, usize, usize) {
+        let frames = self.ends.iter();
+        frames.fold((0, 0, 0), |(so_far, so_wrong, compared), frame| {
+            let rays = ByRays::new(&frame.eye, &frame.drawn);
+            let (largest, wrong) = rays.against(&frame.counts);
+            let nodes = compared + frame.drawn.nodes.len();
+            (so_far.max(largest), so_wrong + wrong, nodes)
+        })
+    }
+
+    /// Of all that is judged.
+    pub(crate) fn hash(&self) -> String {
+        let counts = self.ends.iter().flat_map(|frame| frame.counts.values());
+        let counts: Vec<u64> = counts.copied().collect();
+        let places = self.ends.iter().flat_map(|frame| &frame.drawn.vertices_rte);
+        let places: Vec<[f32; 3]> = places.copied().collect();
+        let sizes = bytemuck::cast_slice(&self.sizes);
+        fingerprint(&[
+            sizes,
+            bytemuck::cast_slice(&counts),
+            bytemuck::cast_slice(&places),
+        ])
     }
 
     /// Frames after which nothing changes; `None` where changes go on to the end.
@@ -54,7 +75,7 @@ impl Course {
 
     /// Counts against rays, and why they are wrong; empty where they are not.
     pub(crate) fn exactness(&self) -> (Figures, String) {
-        let (largest, wrong, compared) = self.against_rays;
+        let (largest, wrong, compared) = self.against_rays();
         let figures = vec![
             ("globe_count_off_px", largest as f64),
             ("globe_count_wrong_nodes", wrong as f64),

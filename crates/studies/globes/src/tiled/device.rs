@@ -3,8 +3,8 @@
 
 use super::mesh::{MapMesh, origin};
 use super::options::{Drawing, Options, Seam};
-use super::tile_set::{Content, Shown, TileSet, shown};
-use super::truth::{MAX_LEVEL, Tile, Truth, frame_level};
+use super::tile_set::{Content, TileSet};
+use super::truth::{MAX_LEVEL, Tile};
 use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
@@ -202,12 +202,14 @@ impl MapTargets {
 
     /// Makes tiles and constants; vertices follow by [`MapTargets::send`].
     ///
+    /// - `level`: of the whole frame, where it has one
+    ///
     /// # Errors
     /// As [`TileSet::new`].
     pub(crate) fn scene(
         &mut self,
         options: &Options,
-        truths: &[Option<Truth>],
+        level: Option<u32>,
         (tiles, content): (Vec<Tile>, Content),
     ) -> Result<MapScene, DeviceError> {
         let gpu = Arc::clone(&self.canvas.gpu);
@@ -240,7 +242,7 @@ impl MapTargets {
             },
             texels: texels(&gpu, &layout, &set, (options.drawing, entries[0].binding))?,
             set,
-            level: frame_level(truths, options),
+            level,
         })
     }
 
@@ -286,11 +288,9 @@ impl MapTargets {
         self.canvas.finish(encoder)
     }
 
-    /// What each pixel shows of tiles that hold addresses.
-    pub(crate) fn shown(&self, scene: &MapScene) -> Result<Vec<Shown>, DeviceError> {
-        let values: Vec<u32> = self.canvas.read()?;
-        let values = values.into_iter();
-        Ok(values.map(|value| shown(&scene.set.tiles, value)).collect())
+    /// Addresses of the texels that pixels show ([`shown`](super::tile_set::shown)), where tiles hold them.
+    pub(crate) fn addresses(&self) -> Result<Vec<u32>, DeviceError> {
+        self.canvas.read()
     }
 
     /// Colours in rows; 0 where no surface is.

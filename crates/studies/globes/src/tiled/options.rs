@@ -3,6 +3,7 @@
 
 use crate::metrics::{CELLS, LEVEL, MERCATOR, SEAM, TILES};
 use terrafill_results::ConditionKey;
+use terrafill_study::Depth;
 
 /// How triangles across ±180° are kept from running back over the whole map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +106,7 @@ impl Options {
     }
 
     /// What a view is drawn by.
-    pub(crate) fn of_view(is_quick: bool) -> Vec<Self> {
+    pub(crate) fn of_view(depth: Depth) -> Vec<Self> {
         let base = Self::BASE;
         let seams = [
             Seam::Split(0.5),
@@ -128,11 +129,13 @@ impl Options {
             one_level: Some(0),
             ..base
         });
-        if is_quick {
-            return all;
-        }
-        let cells = [2, 5, 20, 40, 80];
-        all.extend(cells.map(|n| Self { n, ..base }));
+        // Other numbers of cells; the part on frames over them has more.
+        let cells: &[u32] = match depth {
+            Depth::Quick => &[],
+            Depth::Main => &[5, 20, 40],
+            Depth::Full => &[2, 5, 20, 40, 80],
+        };
+        all.extend(cells.iter().map(|&n| Self { n, ..base }));
         all
     }
 }
@@ -143,7 +146,7 @@ mod tests {
 
     #[test]
     fn no_way_is_planned_twice_and_each_differs_in_what_it_says() {
-        let all = Options::of_view(false);
+        let all = Options::of_view(Depth::Full);
         for (at, one) in all.iter().enumerate() {
             assert!(!all[at + 1..].contains(one), "{one:?}");
         }

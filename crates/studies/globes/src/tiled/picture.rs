@@ -13,14 +13,17 @@ use super::device::{MapScene, MapTargets};
 use super::grid;
 use super::mesh::map_mesh;
 use super::options::Options;
-use super::tile_set::{ADDRESSES, COLOURS, Content, SIDE, Shown};
-use super::truth::{Texel, Tile, Truth, tiles, truths};
+use super::tile_set::{ADDRESSES, COLOURS, Content, SIDE, Shown, shown};
+use super::truth::{Texel, Tile, Truth, WrappedPoint, frame_level, tiles, truths};
 use crate::STUDY;
 use crate::clock::FrameWatch;
+use crate::error::sorted;
 use crate::image::write_png;
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::opened::Opened;
+use crate::sight::fingerprint;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -30,8 +33,9 @@ use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict, quantile};
 use terrafill_scene::{MipChain, Scene};
 use terrafill_study::{
-    CaseGroup, Context, Failure, Figures, Session, files_read, judged, verified,
+    CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, files_read, judged, verified,
 };
+use terrafill_surface::SurfaceFrame;
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "picture";
@@ -128,12 +132,13 @@ impl Pictured {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(PicturePart {
+                Ok(Box::new(JudgedOnce::new(PicturePart {
                     group: &group.work,
                     context,
                     targets: None,
+                    truths: None,
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -153,6 +158,8 @@ struct PicturePart<'a> {
     context: Context<'a>,
     /// Of addresses, and of colours.
     targets: Option<[MapTargets; 2]>,
+    /// Of the view that was drawn last.
+    truths: Option<(String, Rc<Vec<Option<Truth>>>)>,
     ready: BTreeMap<usize, MapScene>,
 }
 
@@ -194,6 +201,16 @@ struct ColourErrors {
     off: Vec<f64>,
 }
 
+impl ColourErrors {
+    /// Of two parts of a picture.
+    fn with(mut self, mut other: Self) -> Self {
+        self.texels += other.texels;
+        self.wrong += other.wrong;
+        self.off.append(&mut other.off);
+        self
+    }
+}
+
 fn colour_of(tiles: &BTreeMap<Tile, Vec<u8>>, texel: Texel) -> Option<[u8; 4]> {
     let texels = tiles.get(&texel.tile)?;
     let at = 4 * (texel.y * SIDE + texel.x) as usize;
@@ -206,80 +223,138 @@ fn judge(
     tiles: &BTreeMap<Tile, Vec<u8>>,
     whole: &PictureLevel<'_>,
 ) -> ColourErrors {
-    let mut found = ColourErrors::default();
-    for ((truth, shown), colour) in truths.iter().zip(shown).zip(colours) {
-        let Shown::Texel(texel) = shown else { continue };
+    let add = |mut found: ColourErrors, ((truth, shown), colour): PixelColour<'_>| {
+        let Shown::Texel(texel) = shown else {
+            return found;
+        };
         found.texels += 1;
         found.wrong += usize::from(colour_of(tiles, *texel) != Some(*colour));
-        let Some(body) = truth.as_ref().and_then(|truth| truth.body) else {
-            continue;
-        };
-        let place = match body.cap {
-            Some(cap) => {
-                let [x, y] = cap.map(|at| (2.0 * at - 1.0) * CAP_SPAN);
-                let latitude = std::f64::consts::FRAC_PI_2 - 2.0 * x.hypot(y).atan();
-                // V' runs from north to south.
-                [y.atan2(x), latitude.copysign(0.5 - body.mercator_vs[0])]
-            }
-            None => [
-                (body.u - 0.5) * TAU,
-                (TAU * (0.5 - body.mercator_vs[0])).sinh().atan(),
-            ],
-        };
-        let expected = whole.colour(place[0], place[1]);
-        let channels = (0..3).map(|i| f64::from(colour[i].abs_diff(expected[i])));
-        found.off.push(channels.fold(0.0, f64::max));
+        let body = truth.as_ref().and_then(|truth| truth.body);
+        found.off.extend(body.map(|body| {
+            let [longitude, latitude] = place(&body);
+            let expected = whole.colour(longitude, latitude);
+            let channels = (0..3).map(|i| f64::from(colour[i].abs_diff(expected[i])));
+            channels.fold(0.0, f64::max)
+        }));
+        found
+    };
+    let pixels = truths.par_iter().zip(shown).zip(colours);
+    let parts = pixels.fold(ColourErrors::default, add);
+    parts.reduce(ColourErrors::default, ColourErrors::with)
+}
+
+/// What a pixel should show, what it shows, and its colour.
+type PixelColour<'p> = ((&'p Option<Truth>, &'p Shown), &'p [u8; 4]);
+
+/// Longitude and latitude, radians.
+fn place(body: &WrappedPoint) -> [f64; 2] {
+    match body.cap {
+        Some(cap) => {
+            let [x, y] = cap.map(|at| (2.0 * at - 1.0) * CAP_SPAN);
+            let latitude = std::f64::consts::FRAC_PI_2 - 2.0 * x.hypot(y).atan();
+            // V' runs from north to south.
+            [y.atan2(x), latitude.copysign(0.5 - body.mercator_vs[0])]
+        }
+        None => [
+            (body.u - 0.5) * TAU,
+            (TAU * (0.5 - body.mercator_vs[0])).sinh().atan(),
+        ],
     }
-    found
+}
+
+/// Pictures of a case by both kinds of tiles.
+struct ShownPictures {
+    addresses: Vec<u32>,
+    colours: Vec<[u8; 4]>,
+    truths: Rc<Vec<Option<Truth>>>,
+    /// Colours of the tiles.
+    cut: BTreeMap<Tile, Vec<u8>>,
+    triangles: usize,
+    sent: u64,
 }
 
 impl PicturePart<'_> {
     fn eye(&self, case: usize) -> Eye {
         self.group.works[case].0.eye(self.group.side_px)
     }
+
+    /// Of a case's view, remembered.
+    fn truths(&mut self, case: usize, frame: &SurfaceFrame) -> Rc<Vec<Option<Truth>>> {
+        let view = &self.group.works[case].0.name;
+        let truths = match &self.truths {
+            Some((known, truths)) if known == view => Rc::clone(truths),
+            _ => Rc::new(truths(&self.eye(case), frame)),
+        };
+        self.truths = Some((view.clone(), Rc::clone(&truths)));
+        truths
+    }
 }
 
-impl Session for PicturePart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for PicturePart<'_> {
+    type Shown = ShownPictures;
+
+    fn show(&mut self, case: usize) -> Result<(String, ShownPictures), Failure> {
         let eye = self.eye(case);
         let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+        let (_, options) = &self.group.works[case];
+        let surface = grid(&self.group.opened, options.n)?;
+        let frame = surface.frame(&eye.camera, eye.size)?;
+        let mesh = map_mesh(&eye.body, &eye.camera, &frame, options);
+        let truths = self.truths(case, &frame);
         let targets = &mut self.targets;
         let [of_addresses, of_colours] = targets.get_or_insert_with(|| {
             [ADDRESSES, COLOURS].map(|format| MapTargets::new(&gpu, eye.size, format))
         });
-        let (view, options) = &self.group.works[case];
-        let surface = grid(&self.group.opened, options.n)?;
-        let frame = surface.frame(&eye.camera, eye.size)?;
-        let mesh = map_mesh(&eye.body, &eye.camera, &frame, options);
-        let truths = truths(&eye, &frame);
-        let all = tiles(&truths, options);
+        let (all, level) = (tiles(&truths, options), frame_level(&truths, options));
         let picture = &self.group.picture;
-        let cut: Vec<Vec<u8>> = all.iter().map(|tile| cut(picture, *tile)).collect();
+        let cut: Vec<Vec<u8>> = all.par_iter().map(|tile| cut(picture, *tile)).collect();
         let by_tile = all.iter().copied().zip(cut.iter().cloned()).collect();
         let content = (all.clone(), Content::Addresses);
-        let mut scene = of_addresses.scene(options, &truths, content)?;
+        let mut scene = of_addresses.scene(options, level, content)?;
         of_addresses.send(&mut scene, &eye, options, &mesh);
         of_addresses.draw(&scene)?;
-        let shown = of_addresses.shown(&scene)?;
+        let addresses = of_addresses.addresses()?;
         let content = (all, Content::Colours(cut));
-        let mut scene = of_colours.scene(options, &truths, content)?;
+        let mut scene = of_colours.scene(options, level, content)?;
         let sent = of_colours.send(&mut scene, &eye, options, &mesh);
         of_colours.draw(&scene)?;
         let colours = of_colours.colours()?;
-        let whole = levels(picture)[0];
-        let found = judge(&truths, (&shown, &colours), &by_tile, &whole);
+        self.ready.insert(case, scene);
+        let pictures = [bytemuck::cast_slice(&addresses), colours.as_flattened()];
+        let hash = fingerprint(&pictures);
+        let shown = ShownPictures {
+            addresses,
+            colours,
+            truths,
+            cut: by_tile,
+            triangles: mesh.vertices.len() / 3,
+            sent,
+        };
+        Ok((hash, shown))
+    }
+
+    fn judge(&mut self, case: usize, drawn: ShownPictures) -> Result<Verdict, Failure> {
+        let eye = self.eye(case);
+        let (view, options) = &self.group.works[case];
+        let all: Vec<Tile> = drawn.cut.keys().copied().collect();
+        let pixels = drawn.addresses.iter();
+        let pixels: Vec<Shown> = pixels.map(|address| shown(&all, *address)).collect();
+        let whole = levels(&self.group.picture)[0];
+        let pictures = (pixels.as_slice(), drawn.colours.as_slice());
+        let found = judge(&drawn.truths, pictures, &drawn.cut, &whole);
         let mut figures = vec![
             ("globe_tile_px", found.texels as f64),
             ("globe_tile_colour_wrong_px", found.wrong as f64),
-            ("globe_tile_count", scene.set.tiles.len() as f64),
-            ("globe_triangles", (mesh.vertices.len() / 3) as f64),
-            ("globe_upload_bytes", sent as f64),
+            ("globe_tile_count", all.len() as f64),
+            ("globe_triangles", drawn.triangles as f64),
+            ("globe_upload_bytes", drawn.sent as f64),
         ];
+        let off = sorted(found.off);
         for (metric, share) in [
             ("globe_tile_colour_off_median", 0.5),
             ("globe_tile_colour_off_p99", 0.99),
         ] {
-            figures.extend(quantile(&found.off, share).map(|value| (metric, value)));
+            figures.extend(quantile(&off, share).map(|value| (metric, value)));
         }
         let reason = match (found.texels, found.wrong) {
             (0, _) => "no pixel shows a texel".to_owned(),
@@ -290,9 +365,8 @@ impl Session for PicturePart<'_> {
         };
         let name = name(view, options, "-");
         let size = [eye.size.width, eye.size.height];
-        let pixels = colours.iter().map(|[rgb @ .., _]| *rgb);
+        let pixels = drawn.colours.iter().map(|[rgb @ .., _]| *rgb);
         let path = write_png(self.context.folder, &name, size, pixels)?;
-        self.ready.insert(case, scene);
         Ok(judged(reason, figures, vec![("picture", path)]))
     }
 

@@ -18,12 +18,13 @@ use crate::clock::FrameWatch;
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use crate::opened::Opened;
+use crate::sight::fingerprint;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture, ViewConstants};
 use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
-use terrafill_study::{CaseGroup, Context, Failure, Figures, Session, judged};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged};
 use terrafill_vulkan::{
     BlockImage, Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, GeometryOutput, Gpu,
     ImageShape, Measured, PrimitiveStages, RenderTargets, Resource, Resources, Shader, Topology,
@@ -125,14 +126,14 @@ impl Stages {
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(StagePart {
+                Ok(Box::new(JudgedOnce::new(StagePart {
                     group: &group.work,
                     context,
                     targets: None,
                     truths: None,
                     tiles: None,
                     ready: BTreeMap::new(),
-                }))
+                })))
             },
         }
     }
@@ -290,17 +291,18 @@ impl StagePart<'_> {
     }
 }
 
-impl Session for StagePart<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
+impl Shows for StagePart<'_> {
+    type Shown = (MapMesh, Picture);
+
+    fn show(&mut self, case: usize) -> Result<(String, Self::Shown), Failure> {
         let splitter = Splitter::ALL[case];
         let (mesh, truths) = self.mesh(splitter)?;
         let truths = Rc::clone(self.truths.get_or_insert_with(|| Rc::new(truths)));
         let gpu = terrafill_vulkan::shared_gpu(self.context.devices)?;
-        let options = Stages::options(splitter);
         let tiles = if let Some(known) = &self.tiles {
             Rc::clone(known)
         } else {
-            let tiles = tiles(&truths, &options);
+            let tiles = tiles(&truths, &Stages::options(splitter));
             let image = layers(&gpu, &tiles)?;
             Rc::new((tiles, Arc::new(image)))
         };
@@ -311,10 +313,20 @@ impl Session for StagePart<'_> {
         let picture = targets
             .ok_or(DeviceError::Missing("targets of the seam"))?
             .read()?;
-        let at_hand = tiles.0.iter().copied().collect();
-        let found = judge(&truths, &shown_by(&picture, &tiles.0), &options, &at_hand);
-        let (beside, wrong) = (found.seam_px, found.seam_wrong_px);
         self.ready.insert(case, ready);
+        let vertices = bytemuck::cast_slice(&mesh.vertices);
+        let hash = fingerprint(&[vertices, &picture.rgba]);
+        Ok((hash, (mesh, picture)))
+    }
+
+    fn judge(&mut self, case: usize, (mesh, picture): Self::Shown) -> Result<Verdict, Failure> {
+        let splitter = Splitter::ALL[case];
+        let known = self.truths.as_ref().zip(self.tiles.as_ref());
+        let (truths, tiles) = known.ok_or("it was not drawn".to_owned())?;
+        let options = Stages::options(splitter);
+        let at_hand = tiles.0.iter().copied().collect();
+        let found = judge(truths, &shown_by(&picture, &tiles.0), &options, &at_hand);
+        let (beside, wrong) = (found.seam_px, found.seam_wrong_px);
         let sent = std::mem::size_of_val(mesh.vertices.as_slice());
         let mut figures = vec![
             ("globe_tile_px", found.drawn.len() as f64),

@@ -5,6 +5,7 @@
 use super::options::Options;
 use crate::list::Eye;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
@@ -232,12 +233,20 @@ pub(crate) fn tiles_of(
 /// Tiles that a picture shows, sorted, both caps last.
 pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
     let level = frame_level(truths, options);
-    let mut tiles = BTreeSet::new();
-    for truth in truths.iter().flatten() {
+    let asked = |mut tiles: BTreeSet<Tile>, truth: &Truth| {
         let [from, to] = truth.levels;
         let levels = level.map_or(from..=to, |level| level..=level);
         tiles.extend(tiles_of(&truth.drawn, options.by_fragment, levels));
-    }
+        tiles
+    };
+    let both = |mut some: BTreeSet<Tile>, mut others: BTreeSet<Tile>| {
+        some.append(&mut others);
+        some
+    };
+    let pixels = truths.par_iter().flatten();
+    let tiles = pixels
+        .fold(BTreeSet::new, asked)
+        .reduce(BTreeSet::new, both);
     let caps = [false, true].map(|is_south| Tile::Cap { is_south });
     tiles.into_iter().chain(caps).collect()
 }
