@@ -312,17 +312,22 @@ impl<'a> Evidence<'_, 'a> {
                 let is_long = |(_, cases): &(String, Vec<&Case>)| cases.len() >= 3;
                 is_known(&growth.figure) && !series.is_empty() && series.iter().all(is_long)
             }
-            CaseTest::Finding(words) => self.finding(words).is_some(),
+            CaseTest::Finding(words) => self.finding(words).is_ok(),
             CaseTest::Sum(_) | CaseTest::No(_) => true,
-            CaseTest::Page(of) => of.figure(self.claims.page[1]).is_some(),
+            CaseTest::Page(of) => of.figure(self.claims.page[1]).is_ok(),
         }
     }
 
-    /// The one finding whose claim has these words; none where several have.
-    fn finding(&self, words: &str) -> Option<Finding> {
+    /// The one finding whose claim has these words.
+    ///
+    /// # Errors
+    /// How many have them.
+    fn finding(&self, words: &str) -> Result<Finding, usize> {
         let found = (self.claims.findings)(self.cases).into_iter();
-        let mut found = found.filter(|finding| finding.claim.contains(words));
-        found.next().filter(|_| found.next().is_none())
+        let found = found.filter(|finding| finding.claim.contains(words));
+        let found: Vec<Finding> = found.collect();
+        let [one] = <[Finding; 1]>::try_from(found).map_err(|found| found.len())?;
+        Ok(one)
     }
 
     fn answer(&self, test: &CaseTest) -> ClaimAnswer {
@@ -344,17 +349,21 @@ impl<'a> Evidence<'_, 'a> {
                 None => unknown(&of.figure),
             },
             CaseTest::Finding(words) => match self.finding(words) {
-                Some(found) if found.standing == Standing::NotMeasured => {
+                Ok(found) if found.standing == Standing::NotMeasured => {
                     ClaimAnswer::unanswered(Standing::NotMeasured, "its rows are not in this run")
                 }
-                Some(found) => ClaimAnswer {
+                Ok(found) => ClaimAnswer {
                     ours: found.because,
                     standing: found.standing,
                     reason: self.open(found.standing),
                 },
-                None => {
+                Err(0) => {
                     let why = "no case of the finding is in this run";
                     ClaimAnswer::unanswered(Standing::NotMeasured, why)
+                }
+                Err(count) => {
+                    let why = format!("{count} findings have the words {words:?}, allowed 1");
+                    ClaimAnswer::unanswered(Standing::CannotBeTested, &why)
                 }
             },
             CaseTest::Sum(sum) => sum.answer(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Where figures of a claim must lie, and tests that need no run: sums, and figures of a page that a test of the study
-//! holds to what the code computes.
+//! Where figures of a claim must lie, and tests that need no run: sums, and figures of a page. A test of the study holds
+//! the page to what the code computes.
 
 use crate::claims::ClaimAnswer;
 use serde::Deserialize;
@@ -104,36 +104,58 @@ fn cells(line: &str) -> Vec<&str> {
     line.split('|').map(str::trim).collect()
 }
 
-/// The number that a cell begins with. `< 1e-6` is 1e-6, below which it is.
-fn number(cell: &str) -> Option<f64> {
-    let cell = cell.trim_start_matches("< ");
-    cell.split([' ', ',']).next()?.parse().ok()
+/// Between which numbers a cell's first one lies, both the same where it is exact. `< 1e-6` is of a size below 1e-6.
+fn number(cell: &str) -> Option<[f64; 2]> {
+    let (low, cell) = match cell.strip_prefix("< ") {
+        Some(below) => (Some(0.0), below),
+        None => (None, cell),
+    };
+    let high: f64 = cell.split([' ', ',']).next()?.parse().ok()?;
+    Some([low.unwrap_or(high), high])
 }
 
 impl PageFigure {
-    /// The cell as it stands; `None` where there is no such table, row, column or number.
-    pub(crate) fn figure<'p>(&self, page: &'p str) -> Option<&'p str> {
-        let (_, after) = page.split_once(&self.below)?;
-        let lines = after.lines().skip_while(|line| !line.starts_with('|'));
+    /// The cell as it stands, with its number.
+    ///
+    /// # Errors
+    /// What the page does not have, or has more than once.
+    pub(crate) fn figure<'p>(&self, page: &'p str) -> Result<(&'p str, [f64; 2]), String> {
+        let mut places = page.match_indices(&self.below);
+        let (Some((at, _)), None) = (places.next(), places.next()) else {
+            let count = page.matches(&self.below).count();
+            return Err(format!("{:?} {count} times, needed once", self.below));
+        };
+        let lines = page[at..].lines().skip_while(|line| !line.starts_with('|'));
         let mut lines = lines.take_while(|line| line.starts_with('|'));
-        let headings = cells(lines.next()?);
-        let column = headings.iter().position(|text| *text == self.column)?;
+        let headings = cells(lines.next().unwrap_or_default());
+        let no_column = || format!("no column {:?} below {:?}", self.column, self.below);
+        let column = headings.iter().position(|text| *text == self.column);
+        let column = column.ok_or_else(no_column)?;
         let mut rows = lines.map(cells);
-        let row = rows.find(|row| row.first() == Some(&self.row.as_str()))?;
-        let cell = row.get(column).copied()?;
-        number(cell).map(|_| cell)
+        let row = rows.find(|row| row.first() == Some(&self.row.as_str()));
+        let no_row = || format!("no row {:?} below {:?}", self.row, self.below);
+        let cell = row.ok_or_else(no_row)?.get(column).copied();
+        let cell = cell.unwrap_or_default();
+        let no_number = || format!("no number but {cell:?} in {}, {}", self.row, self.column);
+        Ok((cell, number(cell).ok_or_else(no_number)?))
     }
 
     /// - `page`: its name, and its text
     pub(crate) fn answer(&self, [name, text]: [&str; 2]) -> ClaimAnswer {
-        let figure = self.figure(text);
-        let Some((cell, value)) = figure.and_then(|cell| Some((cell, number(cell)?))) else {
-            let why = format!("{name} has no such figure");
-            return ClaimAnswer::unanswered(Standing::CannotBeTested, &why);
+        let (cell, [low, high]) = match self.figure(text) {
+            Ok(found) => found,
+            Err(missing) => {
+                let why = format!("{name} has {missing}");
+                return ClaimAnswer::unanswered(Standing::CannotBeTested, &why);
+            }
         };
         ClaimAnswer {
             ours: format!("{}, {}: {cell}", self.row, self.column),
-            standing: Standing::holds_if(self.is.holds(value)),
+            standing: if low < high {
+                self.is.standing(Some([low, high]))
+            } else {
+                Standing::holds_if(self.is.holds(high))
+            },
             reason: format!("By {name}, which a test holds to what the code computes"),
         }
     }
@@ -176,6 +198,15 @@ mod tests {
             standing("3/2", "2 km", Bound::Between([1.0, 2.0])),
             Standing::Holds
         );
+        // Below 1e-6 is not 1e-6, and may be none.
+        for (is, says) in [
+            (Bound::AtMost(1e-7), Standing::CannotTell),
+            (Bound::AtLeast(1e-6), Standing::CannotTell),
+            (Bound::AtLeast(1e-5), Standing::DoesNotHold),
+            (Bound::None, Standing::CannotTell),
+        ] {
+            assert_eq!(standing("1/2", "1 km", is), says, "{is:?}");
+        }
         // Negative controls: the other side of the bound, another column, and a row of the next table.
         assert_eq!(
             standing("1/2", "2 km", Bound::AtMost(0.62)),
@@ -189,6 +220,14 @@ mod tests {
         assert_eq!(
             standing("5/4", "1 km", Bound::AtLeast(1.0)),
             Standing::CannotBeTested
+        );
+        // Words that are there twice name no table, and that is said.
+        let twice = format!("{PAGE}\nTurns, px. Again.\n");
+        let answer = of("1/2", "2 km", Bound::AtMost(0.63)).answer(["a.md", &twice]);
+        assert_eq!(answer.standing, Standing::CannotBeTested);
+        assert_eq!(
+            answer.reason,
+            "a.md has \"Turns, px.\" 2 times, needed once"
         );
     }
 
