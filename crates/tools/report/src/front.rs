@@ -4,7 +4,7 @@
 use crate::contents::Report;
 use crate::glossary::of_drawing;
 use crate::verdict::{Verdict, plural};
-use crate::view::Renderer;
+use crate::view::{Renderer, with_figures};
 use askama::Template;
 use std::collections::BTreeSet;
 use terrafill_results::{Block, Finding, RunInput, Standing};
@@ -265,12 +265,12 @@ fn unmet(requirements: &[Requirement<'_>]) -> Vec<String> {
     let lines = open.map(|of| {
         // The sentence that leads to a command stands in the list.
         let because = match of.because.trim_end().rsplit_once(". ") {
-            Some((because, _)) if !of.command.is_empty() => format!(" {because}."),
-            _ if of.command.is_empty() => format!(" {}", of.because),
-            _ => String::new(),
+            Some((because, _)) if !of.command.is_empty() => because,
+            _ if of.command.is_empty() => of.because,
+            _ => "",
         };
-        let line = format!("{}: {}{because}", of.standing.name(), of.claim);
-        line.trim_end().to_owned()
+        let said = with_figures(of.claim, because);
+        format!("{}: {said}", of.standing.name())
     });
     let mut lines: Vec<String> = lines.collect();
     let more = lines.len().saturating_sub(MAX_OPEN);
@@ -335,7 +335,10 @@ mod tests {
         assert_eq!(tally(&lines), "1 met, 1 not met, 1 undecided");
         assert_eq!(
             unmet(&lines),
-            ["not met: It grows 1.00 ×", "undecided: It grows No device."]
+            [
+                "not met: It grows: 1.00 ×",
+                "undecided: It grows. No device"
+            ]
         );
         let four = [&findings[1..], &findings[1..]].concat();
         assert_eq!(unmet(&checklist(&four))[2], "and 2 more");

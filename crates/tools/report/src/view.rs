@@ -46,7 +46,7 @@ enum BlockView<'a> {
     Table(TableView<'a>),
     Plot(PlotView<'a>),
     Pictures(PicturesView<'a>),
-    Findings(Vec<FindingView<'a>>),
+    Findings(Vec<FindingView>),
     Folded {
         summary: &'a str,
         is_open: bool,
@@ -162,9 +162,8 @@ impl PartialEq for ImageView<'_> {
     }
 }
 
-struct FindingView<'a> {
-    claim: &'a str,
-    because: &'a str,
+struct FindingView {
+    text: String,
     standing: &'static str,
     class: &'static str,
 }
@@ -548,10 +547,23 @@ fn breakable(name: &str) -> Vec<&str> {
     name.split_inclusive([',', '/']).collect()
 }
 
-fn finding_view(finding: &Finding) -> FindingView<'_> {
+/// A claim and its figures, set apart: figures that begin a sentence after a full stop, others after a colon. The last
+/// sentence is left open.
+pub(crate) fn with_figures(claim: &str, because: &str) -> String {
+    let [claim, because] = [claim, because].map(str::trim);
+    let ended = because.strip_suffix('.').unwrap_or(because);
+    let between = match because.chars().next() {
+        None => "",
+        _ if claim.ends_with([':', '.', ';', '?', '!']) => " ",
+        Some(first) if first.is_uppercase() => ". ",
+        Some(_) => ": ",
+    };
+    format!("{claim}{between}{ended}")
+}
+
+fn finding_view(finding: &Finding) -> FindingView {
     FindingView {
-        claim: &finding.claim,
-        because: &finding.because,
+        text: with_figures(&finding.claim, &finding.because),
         standing: finding.standing.name(),
         class: match finding.standing {
             Standing::Holds => "holds",
@@ -572,6 +584,26 @@ fn captions(images: &[ImageView<'_>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn figures_never_run_on_from_a_claim() {
+        for (claim, because, text) in [
+            (
+                "It is there",
+                "0 pixels differ.",
+                "It is there: 0 pixels differ",
+            ),
+            (
+                "It is longer",
+                "By window: 2 ×.",
+                "It is longer. By window: 2 ×",
+            ),
+            ("Which is it?", "2 ×", "Which is it? 2 ×"),
+            ("It is", "", "It is"),
+        ] {
+            assert_eq!(with_figures(claim, because), text);
+        }
+    }
 
     #[test]
     fn figures_leave_the_drawing_and_come_out_as_they_went_in() {
