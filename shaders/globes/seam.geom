@@ -42,20 +42,22 @@ Place inserted(int one, int other) {
         mix(corner_v[high], corner_v[low], share));
 }
 
-float side(int i) {
-    return corner_u(i) > 0.5 ? 1.0 : 0.0;
+// U and its twin on the side of a corner.
+vec2 side(int i) {
+    return vec2(corner_u(i) > 0.5 ? 1.0 : 0.0, 0.0);
 }
 
-void vertex(Place place, float u) {
+void vertex(Place place, vec2 place_us) {
     relative_m = place.relative_m;
-    us = vec2(u, fract(u + 0.5) - 0.5);
+    us = place_us;
     v = place.v;
     gl_Position = place.clip;
     EmitVertex();
 }
 
+// As the corner has them: its twin is rounded once, from more digits than its U has here.
 void corner(int i) {
-    vertex(Place(gl_in[i].gl_Position, corner_relative_m[i], corner_v[i]), corner_u(i));
+    vertex(Place(gl_in[i].gl_Position, corner_relative_m[i], corner_v[i]), corner_us[i]);
 }
 
 void main() {
