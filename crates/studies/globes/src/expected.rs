@@ -3,7 +3,7 @@
 //!
 //! A triangle with corners on the body hangs below it by at most `r² / 2R`, `r` the radius of its smallest
 //! circle. Where a ray meets it `s` below the body, the foot of the place is seen `s · sin i · f / d` from
-//! the pixel's centre: `i` the ray's angle with the normal, `d` its length, `f` pixels per radian. Both are
+//! the pixel's centre. There `i` is the ray's angle with the normal, `d` its length, `f` pixels per radian. Both are
 //! put together by projecting each pixel's true place raised by `s`.
 
 use crate::error::shift_px;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The spiral's vertices made on the GPU: by a compute shader into a buffer that is drawn and read back, or by the
-//! vertex stage from the vertex's number, with no buffer at all; beside them those that the CPU makes and sends. Over
+//! The spiral's vertices made on the GPU: by a compute shader into a buffer that is drawn and read back, or by the vertex
+//! stage, from the vertex's number or one static buffer. Beside them stand those that the CPU makes and sends. Over
 //! terrain each vertex is moved up by the height that it finds where it is, which the paper leaves to the future.
 
 pub(crate) mod device;
@@ -233,20 +233,34 @@ struct MadePart<'a> {
     ready: BTreeMap<usize, MadeScene>,
 }
 
-/// Vertices of the device against f64: largest on the screen and on the ground, and how many are not finite.
-fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> (f64, f64, usize) {
-    let (mut px, mut metres, mut lost) = (0.0_f64, 0.0_f64, 0);
+/// Vertices of the device against f64.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct VertexErrors {
+    /// On the screen, pixels, and on the ground, metres, largest.
+    px: f64,
+    metres: f64,
+    /// Of `px`, what is beyond radii kept in f32, largest.
+    beyond_px: f64,
+    /// How many are not finite.
+    lost: usize,
+}
+
+fn against(eye: &Eye, spiral: &Spiral, made: &[[f32; 3]]) -> VertexErrors {
+    let mut errors = VertexErrors::default();
     for (number, vertex) in (0..).zip(made) {
         let (found, exact) = (DVec3::from(vertex.map(f64::from)), spiral.place(number));
         if !found.is_finite() {
-            lost += 1;
+            errors.lost += 1;
             continue;
         }
         let angle = found.cross(exact).length().atan2(found.dot(exact));
-        px = px.max(angle * eye.focal_px());
-        metres = metres.max(found.distance(exact));
+        let px = angle * eye.focal_px();
+        let rounding_px = spiral.rounding_m(number) / exact.length() * eye.focal_px();
+        errors.px = errors.px.max(px);
+        errors.beyond_px = errors.beyond_px.max(px - rounding_px);
+        errors.metres = errors.metres.max(found.distance(exact));
     }
-    (px, metres, lost)
+    errors
 }
 
 /// A picture, and the vertices that it was drawn from where they can be read back.
@@ -321,17 +335,21 @@ impl Shows for MadePart<'_> {
         let (_, twin) = self.drawn(case, true)?;
         let ShownSpiral { eye, spiral, .. } = &shown;
         let made = shown.vertices.as_ref().or(twin.vertices.as_ref());
-        let (px, metres, lost) = against(eye, spiral, made.map_or(&[], Vec::as_slice));
+        let errors = against(eye, spiral, made.map_or(&[], Vec::as_slice));
+        let VertexErrors { px, beyond_px, .. } = errors;
         let pixels = shown.picture.iter().zip(&twin.picture);
         let differs = pixels.filter(|(a, b)| a != b).count();
         let mut reasons = Vec::new();
-        if lost > 0 {
-            reasons.push(format!("{lost} vertices are not finite, allowed 0"));
-        }
-        if px > ALLOWED_PX {
+        if errors.lost > 0 {
             reasons.push(format!(
-                "vertices are {} px off f64, allowed {ALLOWED_PX}",
-                significant(px)
+                "{} vertices are not finite, allowed 0",
+                errors.lost
+            ));
+        }
+        if beyond_px > ALLOWED_PX {
+            reasons.push(format!(
+                "vertices are {} px farther off f64 than radii kept in f32, allowed {ALLOWED_PX}",
+                significant(beyond_px)
             ));
         }
         let is_in_vertex_stage = matches!(work.source, Source::Number | Source::Static);
@@ -342,9 +360,9 @@ impl Shows for MadePart<'_> {
         }
         let mut figures = vec![
             ("globe_made_px_max", px),
-            ("globe_made_m_max", metres),
+            ("globe_made_m_max", errors.metres),
             ("globe_made_differs_px", differs as f64),
-            ("globe_non_finite", lost as f64),
+            ("globe_non_finite", errors.lost as f64),
             ("globe_triangles", spiral.triangles().len() as f64),
             ("globe_vertices", f64::from(spiral.count())),
             ("globe_upload_bytes", shown.sent as f64),

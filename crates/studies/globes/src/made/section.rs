@@ -10,9 +10,9 @@ use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Vertices made on the GPU",
-    text: "A spiral of 72 vertices a turn by the focus-local form, from the fan to the horizon: sent by the CPU, made \
-           by a compute shader into the buffer that is drawn, or made by the vertex stage from the vertex's number, or \
-           from one static buffer of sine, cosine and radius, as the paper has it. Of that buffer draw arguments \
+    text: "A spiral of 72 vertices a turn by the focus-local form, from the fan to the horizon. Its vertices are sent \
+           by the CPU, or made by a compute shader into the buffer that is drawn, or by the vertex stage from their \
+           number. Or they lie in one static buffer of sine, cosine and radius, as the paper has it. Of it draw arguments \
            choose a range; the vertex stage corrects the radius by a square root and turns a hemisphere to the focus. \
            Vertices are read back and held against f64; the vertex stage's picture is held to the compute shader's to \
            the bit. Native sines and cosines have a bound of 2^-11 in WGSL, 3 km on the Earth; series of ninth and \

@@ -6,7 +6,6 @@ use crate::list::Eye;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
 use std::sync::Arc;
-use terrafill_core::nearest_f32;
 
 /// Radius of the fan, pixels, and of the inner circle at most.
 const FAN_PX: f64 = 50.0;
@@ -213,25 +212,94 @@ impl Spiral {
 
     /// From the focus to a vertex on the body, metres.
     fn way(&self, number: u32) -> DVec3 {
-        let Some(k) = number.checked_sub(1) else {
-            return DVec3::ZERO;
-        };
-        let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
-        let (inner, outer) = (self.inner, self.outer);
-        let radius = match self.law {
-            Law::Exponential => inner * (outer / inner).powf(share),
-            Law::Quadratic => (inner.sqrt() + share * (outer.sqrt() - inner.sqrt())).powi(2),
-            Law::Published => {
-                // Of the radius as it is stored: near the fan's rim the root magnifies how it was rounded.
-                let [inner, outer] = [inner, outer].map(|at| f64::from(nearest_f32(at)));
-                let stored = nearest_f32(stored_radius(self.first + k, self.per_turn));
-                let (stored, span) = (f64::from(stored).min(outer), outer - inner);
-                ((stored - inner) / span).sqrt() * span + inner
-            }
-        };
+        number
+            .checked_sub(1)
+            .map_or(DVec3::ZERO, |k| self.way_at(k, self.radius(k)))
+    }
+
+    /// To what is so many radians off, in the direction of vertex `k` of the turns.
+    fn way_at(&self, k: u32, radius: f64) -> DVec3 {
         let angle = TAU * f64::from(k % self.per_turn) / f64::from(self.per_turn);
         let [east, north, up] = self.axes;
         let level = east * angle.sin() + north * angle.cos();
         level * radius.sin() - up * (2.0 * (0.5 * radius).sin().powi(2))
+    }
+
+    fn radius(&self, k: u32) -> f64 {
+        let share = (f64::from(k) / f64::from(self.per_turn) / self.turns).min(1.0);
+        let (inner, outer) = (self.inner, self.outer);
+        match self.law {
+            Law::Exponential => inner * (outer / inner).powf(share),
+            Law::Quadratic => (inner.sqrt() + share * (outer.sqrt() - inner.sqrt())).powi(2),
+            Law::Published => corrected([self.stored(k), inner, outer]),
+        }
+    }
+
+    fn stored(&self, k: u32) -> f64 {
+        stored_radius(self.first + k, self.per_turn)
+    }
+
+    /// How far a vertex may be off because radii are kept in `f32`, metres: near the fan's rim the published root
+    /// magnifies how they are rounded. The first one is stored as the rim itself is, and rounded alike.
+    pub(crate) fn rounding_m(&self, number: u32) -> f64 {
+        let Some(k) = number.checked_sub(2).filter(|_| self.law == Law::Published) else {
+            return 0.0;
+        };
+        let k = k + 1;
+        let kept = [self.stored(k), self.inner, self.outer];
+        let here = corrected(kept);
+        let off = (0..kept.len()).map(|which| {
+            let moved = [-HALF_ULP, HALF_ULP].map(|by| {
+                let mut kept = kept;
+                kept[which] *= 1.0 + by;
+                (corrected(kept) - here).abs()
+            });
+            moved[0].max(moved[1])
+        });
+        let off: f64 = off.sum();
+        (self.way_at(k, here + off) - self.way_at(k, here)).length()
+    }
+}
+
+/// Half the distance between numbers in `f32`, as a share of theirs, at most.
+const HALF_ULP: f64 = 0.5 * f32::EPSILON as f64;
+
+/// The published correction of a stored radius, between an inner circle and an outer one.
+fn corrected([stored, inner, outer]: [f64; 3]) -> f64 {
+    let (stored, span) = (stored.min(outer), outer - inner);
+    ((stored - inner) / span).max(0.0).sqrt() * span + inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::list::List;
+    use terrafill_core::nearest_f32;
+
+    #[test]
+    fn radii_in_single_precision_move_published_vertices_by_no_more_than_is_allowed() {
+        let list = List::shipped().expect("a list");
+        for view in ["globe", "nadir-1161km", "oblique-100km", "ground-1.7m"] {
+            let eye = list.view(view).expect("the view").eye(160);
+            let spiral = Spiral::new(&eye, 72, Law::Published, None);
+            let mut largest_m = 0.0_f64;
+            for number in 2..spiral.count() {
+                let k = number - 1;
+                let exact = [spiral.stored(k), spiral.inner, spiral.outer];
+                let kept = exact.map(|radius| f64::from(nearest_f32(radius)));
+                let [here, off] = [exact, kept].map(|radii| spiral.way_at(k, corrected(radii)));
+                let off_m = here.distance(off);
+                let allowed_m = spiral.rounding_m(number);
+                assert!(
+                    off_m <= allowed_m + 1e-9,
+                    "{view} {number}: {off_m} {allowed_m}"
+                );
+                largest_m = largest_m.max(off_m / allowed_m);
+            }
+            // Negative control: it is no bound from far away.
+            assert!(largest_m > 0.1, "{view}: {largest_m}");
+            let other = Spiral::new(&eye, 72, Law::Exponential, None);
+            assert_eq!(other.rounding_m(7), 0.0);
+        }
     }
 }

@@ -97,13 +97,13 @@ fn a_vertex_that_was_moved_is_found() {
     let eye = eye("globe");
     let spiral = Spiral::new(&eye, 36, Law::Exponential, None);
     let mut vertices = spiral.vertices();
-    assert!(against(&eye, &spiral, &vertices).0 < 1e-4);
+    assert!(against(&eye, &spiral, &vertices).px < 1e-4);
     // Negative control: radii that were not corrected.
     let corrected = Spiral::new(&eye, 36, Law::Published, None).vertices();
-    assert!(against(&eye, &spiral, &corrected).0 > 1.0);
+    assert!(against(&eye, &spiral, &corrected).beyond_px > 1.0);
     // Negative controls: 100 km off, and lost.
     vertices[7][0] += 1e5;
-    assert!(against(&eye, &spiral, &vertices).0 > 0.5);
+    assert!(against(&eye, &spiral, &vertices).beyond_px > 0.5);
     vertices[7][0] = f32::NAN;
-    assert_eq!(against(&eye, &spiral, &vertices).2, 1);
+    assert_eq!(against(&eye, &spiral, &vertices).lost, 1);
 }
