@@ -14,10 +14,14 @@ use terrafill_contract::Picture;
 use terrafill_core::Geodetic;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::quantile;
+use terrafill_study::Figures;
 use terrafill_surface::SurfaceFrame;
 
 /// Where Mercator's square ends, radians: `atan(sinh π)`.
 const MERCATOR_END_RAD: f64 = 1.484_422_229_745_332_4;
+
+/// How far a triangle's corner may be from where it is, along each axis: a device keeps them in steps of 1/256 px.
+pub(crate) const SNAPPED_PX: f64 = 1.0 / 256.0;
 
 /// Median, 99 % and the largest of something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +46,16 @@ impl Range {
 pub(crate) fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values.par_sort_unstable_by(f64::total_cmp);
     values
+}
+
+/// Figures of a picture's pixels; none of those that nothing has.
+///
+/// - `of`: name, sorted values, share of the pixels that does not exceed it
+pub(crate) fn quantiles(of: &[(&'static str, &Vec<f64>, f64)]) -> Figures {
+    let figures = of.iter();
+    figures
+        .filter_map(|(name, values, share)| Some((*name, quantile(values, *share)?)))
+        .collect()
 }
 
 /// A picture's errors.
@@ -124,8 +138,9 @@ pub(crate) fn of_depth(eye: &Eye, picture: &Picture) -> Errors {
 
 fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Errors {
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
-    let pixels = eye.by_pixel(|pixel, centre, direction| {
-        judge(eye, &body, centre, direction, met(pixel, direction))
+    let pixels = eye.by_pixel_with(|corners: &mut MapCorners, pixel, centre, direction| {
+        let met = met(pixel, direction);
+        judge(eye, &body, (centre, direction), met, corners)
     });
     let found: Vec<PixelError> = pixels.iter().filter_map(|pixel| pixel.error).collect();
     let is_finite = |error: &PixelError| {
@@ -159,9 +174,9 @@ fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Error
 fn judge(
     eye: &Eye,
     body: &SurfaceTriangles,
-    centre: [f64; 2],
-    direction: DVec3,
+    (centre, direction): ([f64; 2], DVec3),
     met: Option<Met>,
+    corners: &mut MapCorners,
 ) -> Pixel {
     let (camera, size) = (&eye.camera, eye.size);
     let true_depth = body.hit(direction, camera.near_m);
@@ -194,7 +209,7 @@ fn judge(
             metres,
             map: met
                 .facet
-                .map(|facet| shift(on_map(eye, facet, direction * met.depth))),
+                .map(|facet| shift(corners.between(eye, facet, direction * met.depth))),
             depth_m: (met.depth - true_depth).abs() * direction.length(),
             height_m: drawn.height_m,
         }
@@ -215,22 +230,35 @@ pub(crate) fn shift_px(eye: &Eye, ecef: DVec3, centre: [f64; 2]) -> f64 {
     x.hypot(y).min(diagonal)
 }
 
-/// The place that longitude and Mercator's latitude, interpolated from a triangle's corners, give for a
-/// point of it.
-pub(crate) fn on_map(eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
-    let corners = facet.map(|corner| eye.body.ecef_to_geodetic(corner + eye.camera.eye_ecef));
-    let shares = shares(facet, point);
-    let first = corners[0].longitude_rad;
-    let (mut east, mut up) = (0.0, 0.0);
-    for (corner, share) in corners.iter().zip(shares) {
-        let across = corner.longitude_rad - first;
-        east += share * (across - TAU * (across / TAU).round());
-        up += share * mercator(corner.latitude_rad);
-    }
-    Geodetic {
-        longitude_rad: first + east,
-        latitude_rad: up.sinh().atan(),
-        height_m: 0.0,
+/// Longitude and Mercator's y of a triangle's corners, remembered: pixels beside each other mostly show the same one.
+#[derive(Debug, Default)]
+pub(crate) struct MapCorners {
+    facet: [DVec3; 3],
+    corners: [[f64; 2]; 3],
+}
+
+impl MapCorners {
+    /// The place that they give, interpolated, for a point of the triangle.
+    pub(crate) fn between(&mut self, eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
+        if self.facet != facet {
+            self.facet = facet;
+            self.corners = facet.map(|corner| {
+                let place = eye.body.ecef_to_geodetic(corner + eye.camera.eye_ecef);
+                [place.longitude_rad, mercator(place.latitude_rad)]
+            });
+        }
+        let [first, _] = self.corners[0];
+        let (mut east, mut up) = (0.0, 0.0);
+        for ([longitude, y], share) in self.corners.iter().zip(shares(facet, point)) {
+            let across = longitude - first;
+            east += share * (across - TAU * (across / TAU).round());
+            up += share * y;
+        }
+        Geodetic {
+            longitude_rad: first + east,
+            latitude_rad: up.sinh().atan(),
+            height_m: 0.0,
+        }
     }
 }
 

@@ -46,9 +46,12 @@ pub(crate) struct ViewRow {
     /// Whether only a full run has it.
     #[serde(default)]
     pub(crate) full: bool,
-    /// Whether frames over every published number of cells are timed there.
+    /// Whether frames over every published number of cells are timed there: the ground must fill it.
     #[serde(default)]
     pub(crate) all_cells: bool,
+    /// Whether frames choose their tiles there.
+    #[serde(default)]
+    pub(crate) chosen: bool,
 }
 
 /// Where the eye is, over which place the sun stands, and how long clouds have moved.
@@ -213,13 +216,22 @@ impl Eye {
         &self,
         of: impl Fn(usize, [f64; 2], DVec3) -> T + Sync,
     ) -> Vec<T> {
+        self.by_pixel_with(|(), pixel, centre, direction| of(pixel, centre, direction))
+    }
+
+    /// The same with what one pixel leaves to the next of its row, mostly.
+    pub(crate) fn by_pixel_with<S: Default, T: Send>(
+        &self,
+        of: impl Fn(&mut S, usize, [f64; 2], DVec3) -> T + Sync,
+    ) -> Vec<T> {
         let width = self.size.width as usize;
-        let one = |pixel: usize| {
+        let one = |known: &mut S, pixel: usize| {
             let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
-            of(pixel, centre, self.camera.direction_ecef(self.size, centre))
+            let direction = self.camera.direction_ecef(self.size, centre);
+            of(known, pixel, centre, direction)
         };
         let pixels = (0..self.size.pixel_count()).into_par_iter();
-        pixels.map(one).collect()
+        pixels.map_init(S::default, one).collect()
     }
 }
 

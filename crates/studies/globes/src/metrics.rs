@@ -216,7 +216,7 @@ terrafill_results::metrics! {
     );
     GLOBE_TILE_WRONG_PX = Metric::error_px(
         "globe_tile_wrong_px",
-        "Pixels whose tile is at hand and that show a texel off by more than ½ from their place on the triangle as drawn, or none.",
+        "Pixels whose tile is at hand and that show none, or a texel too far from their place on the triangle: by more than ½ and what corners within 1/256 px explain; at most 0.",
     );
     GLOBE_TILE_SPARE = Metric::less(
         "globe_tile_spare",
@@ -297,6 +297,15 @@ terrafill_results::metrics! {
     GLOBE_FORMULA_PX_MAX = Metric::error_px(
         "globe_formula_px_max",
         "How far from a pixel's centre the projection's formula, in f64, puts the place that its triangle shows, largest.",
+    );
+    GLOBE_FORMULA_PX_P99 = Metric::error_px("globe_formula_px_p99", "The same, 99 % of the pixels.");
+    GLOBE_FORMULA_FINE_PX_P99 = Metric::error_px(
+        "globe_formula_fine_px_p99",
+        "The same of triangles half as long, which are not drawn: below two thirds of it where tessellation is the cause.",
+    );
+    GLOBE_SHADE_OTHER_PX = pixels(
+        "globe_shade_other_px",
+        "Pixels in which the triangles of another projection are found.",
     );
     GLOBE_SHADE_CONTROL_PX = pixels(
         "globe_shade_control_px",

@@ -24,6 +24,13 @@ terrafill_results::named! {
 pub(crate) const K: f64 = 0.5;
 
 impl Projection {
+    /// Another one, which a picture must not be taken for.
+    pub(crate) fn next(self) -> Self {
+        let mut from_here = Self::ALL.iter().cycle();
+        from_here.find(|known| **known == self);
+        from_here.next().copied().unwrap_or(self)
+    }
+
     /// Clip position of a place, reversed depth.
     ///
     /// - `relative_m`: from the eye, ECEF axes

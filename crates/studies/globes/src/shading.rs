@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3), of real pictures of the Earth where there is data:
-//! from which side they are seen, how bumps are stored, features taken away one after the other, the faults of the
-//! printed shader, every projection. Cube maps stand against pictures by angles, triangles against pixels.
+//! Five layers over the spiral (Gebbie and Bailey, Tables 1 and 3), of real pictures of the Earth where there is data.
+//! Sides from which they are seen, storages of bumps, features taken away one after the other, faults of the printed
+//! shader, and projections. Cube maps stand against pictures by angles, triangles against pixels.
 
 mod device;
 mod judge;
@@ -53,6 +53,9 @@ const FACE: u32 = 1024;
 const QUICK_FACE: u32 = 256;
 /// Share of a picture's pixels that wrong layers must be found in.
 const CONTROL_SHARE: f64 = 0.01;
+/// By what share triangles half as long are off a projection's formula, at most. A smooth one gives a quarter; beside a
+/// pole and at the rim a map's slope has no bound.
+const FINER: f64 = 2.0 / 3.0;
 
 /// All work on shading, as one group of cases.
 pub(crate) struct Shadings {
@@ -175,54 +178,64 @@ impl ShadingPart<'_> {
         let layers = (&sampled, &self.group.sources);
         // Clouds that have not moved are no control of themselves.
         let controls = work.what == "layers";
-        let found = judge(eye, met, lights, layers, picture, controls);
+        let mut found = judge(eye, met, lights, layers, picture, controls);
         let mut figures = vec![
             ("globe_shade_px", found.shown as f64),
             ("globe_shade_beyond_px", found.beyond as f64),
             ("globe_non_finite", (found.non_finite + lost) as f64),
             ("globe_drawn_otherwise_px", found.otherwise as f64),
         ];
-        let mut add = |name, of: &[f64], share| {
-            figures.extend(quantile(of, share).map(|value| (name, value)));
-        };
-        let all = sorted(found.all);
-        add("globe_shade_texels_max", &found.from_texels, 1.0);
-        add("globe_shade_max", &all, 1.0);
-        add("globe_shade_p99", &all, 0.99);
-        add("globe_shade_polar_max", &found.polar, 1.0);
-        add("globe_shade_polar_p99", &found.polar, 0.99);
-        if work.is_stored {
-            add(
-                "globe_formula_px_max",
-                &met.off_formula(eye, work.projection),
-                1.0,
-            );
-        }
+        let largest = quantile(&found.from_texels, 1.0);
+        figures.extend(found.quantiles());
         let least = found.controls.map(|controls| {
             let least = controls.into_iter().min().unwrap_or(0);
             figures.push(("globe_shade_control_px", least as f64));
-            least as f64
+            least
         });
+        let mut is_tessellation = true;
+        let other = work.is_stored.then(|| {
+            let other = mesh.met(eye, work.projection.next());
+            let other = judge(eye, &other, lights, layers, picture, false).beyond;
+            let fine = Spiral::new(eye, 2 * work.n, Law::Published, None);
+            let fine = Mesh::Stored(fine).met(eye, work.projection);
+            let of = |met: &Met| sorted(met.off_formula(eye, work.projection));
+            let (coarse, fine) = (of(met), of(&fine));
+            let [most, fine] = [&coarse, &fine].map(|of| quantile(of, 0.99).unwrap_or(f64::NAN));
+            is_tessellation = fine < FINER * most;
+            figures.extend([
+                ("globe_shade_other_px", other as f64),
+                (
+                    "globe_formula_px_max",
+                    quantile(&coarse, 1.0).unwrap_or(f64::NAN),
+                ),
+                ("globe_formula_px_p99", most),
+                ("globe_formula_fine_px_p99", fine),
+            ]);
+            other
+        });
+        let is_blind = |found_px: &usize| (*found_px as f64) < CONTROL_SHARE * found.shown as f64;
         let reason = if found.non_finite + lost > 0 {
             let lost = found.non_finite + lost;
             format!("{lost} pixels or vertices are not finite, allowed 0")
         } else if found.shown == 0 {
             "it shows nothing".to_owned()
         } else if found.beyond > 0 {
-            let off = quantile(&found.from_texels, 1.0).unwrap_or(f64::INFINITY);
             format!(
                 "{} pixels are farther from the same texels in f64 than 8 bits of place and value explain, by up to \
-                 {off:.4}, allowed 0",
-                found.beyond
+                 {:.4}, allowed 0",
+                found.beyond,
+                largest.unwrap_or(f64::INFINITY)
             )
         } else if found.otherwise > 0 {
             format!(
                 "{} pixels are drawn that no ray meets, or the other way round, allowed 0",
                 found.otherwise
             )
-        } else if least.is_some_and(|least| least < CONTROL_SHARE * found.shown as f64) {
-            "wrong layers are found in less than 1 % of the pixels: the comparison sees nothing"
+        } else if least.iter().chain(&other).any(is_blind) {
+            "wrong layers, or another projection, are found in less than 1 % of the pixels: the comparison sees nothing"
                 .to_owned()
+        } else if !is_tessellation {
+            "triangles half as long are as far off the formula, so that tessellation is not the cause".to_owned()
         } else {
             String::new()
         };

@@ -8,7 +8,7 @@
 //! are `d² / 8R · √(tan² i + tan² φ + √2 tan i tan φ)`.
 
 use super::{numbers, table};
-use crate::error::on_map;
+use crate::error::MapCorners;
 use crate::list::{Eye, ViewRow};
 use crate::opened::Opened;
 use glam::DVec3;
@@ -100,7 +100,9 @@ fn worst_map_m(eye: &Eye, triangles: &[[DVec3; 3]]) -> f64 {
                 let Some(depth) = body.hit(point, 0.0) else {
                     continue;
                 };
-                let shown = eye.body.geodetic_to_ecef(on_map(eye, facet, point));
+                let shown = eye
+                    .body
+                    .geodetic_to_ecef(MapCorners::default().between(eye, facet, point));
                 let place = eye.camera.eye_ecef + point * depth;
                 worst = worst.max(shown.distance(place));
             }

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A picture's colours in `f64`: against the same texels, filtered alike, which decides; and against the layers as they
-//! are published, which says what cube maps, bumps in 8 bits and filters cost.
+//! A picture's colours in `f64`. Against the same texels, filtered alike, they decide. Against the layers as they are
+//! published they say what cube maps, bumps in 8 bits and filters cost.
 
 use super::layers::{Fragment, Lights, Reads, Sampled, Shade, shade};
 use super::sources::Sources;
 use super::texels::Looked;
 use super::way::{Layer, Shading};
-use crate::error::shares;
+use crate::error::{SNAPPED_PX, quantiles, shares, sorted};
 use crate::list::Eye;
 use crate::projection::{K, Projection};
 use crate::sight::drawn_otherwise;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use terrafill_reference::SurfaceTriangles;
+use terrafill_study::Figures;
 use terrafill_surface::SurfaceFrame;
-
-/// How far a triangle's corner may be from where it is, along each axis: a device keeps them in steps of 1/256 px.
-const SNAPPED_PX: f64 = 1.0 / 256.0;
 
 /// By which WGSL allows an angle of a quarter turn by `atan2` to be off, radians: 4,096 units in the last place.
 const ATAN2_RAD: f64 = 4096.0 / 16_777_216.0;
@@ -41,6 +39,23 @@ pub(super) struct ShadingErrors {
     pub(super) shown: usize,
     /// Pixels that the device draws and rays do not meet, or the other way round, but beside the outline.
     pub(super) otherwise: usize,
+}
+
+impl ShadingErrors {
+    /// Largest differences, and those that 99 % of the pixels do not exceed; takes the differences.
+    pub(super) fn quantiles(&mut self) -> Figures {
+        let all = [&mut self.from_texels, &mut self.all, &mut self.polar];
+        let all = all.map(|of| sorted(std::mem::take(of)));
+        let [from_texels, all, polar] = &all;
+        let figures = [
+            ("globe_shade_texels_max", from_texels, 1.0),
+            ("globe_shade_max", all, 1.0),
+            ("globe_shade_p99", all, 0.99),
+            ("globe_shade_polar_max", polar, 1.0),
+            ("globe_shade_polar_p99", polar, 0.99),
+        ];
+        quantiles(&figures)
+    }
 }
 
 /// The triangles that pixels show.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A fragment of five layers in `f64`, as `globes/layers.wgsl` shades it in `f32`; and how far a device may be off, from
+//! A fragment of five layers in `f64`, as `globes/layers.wgsl` shades it in `f32`. How far a device may be off comes from
 //! how far it may be off what it looks up.
 
 use super::sources::{Sources, tangent};

@@ -6,6 +6,7 @@ use super::{PART, is_of, tessellation};
 use crate::clock::{DRAW, compared_in, draw, whole};
 use crate::metrics::{self, *};
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_4;
 use terrafill_lab::{Answer, Cases, Column, Names, Section, Select, finding, measured};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
@@ -35,12 +36,12 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
     Section {
         title: "Five layers of the Earth",
         text: "Colour with water, bumps, clouds and lights of night are NASA's pictures, by longitude and latitude. One \
-               preprocessing turns elevation into shares of normal, tangent and binormal, then all of them into cube maps \
-               by a bicubic filter; beside those stand pictures by angles, as dense along the equator, and bumps as \
-               normals of object space. Elevation is exaggerated 20 times, clouds go round in ten days. Each pixel is \
-               held to the same texels, filtered and shaded in f64, at the place that its ray meets: it may be off by \
-               what 8 bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must \
-               be found by that. The difference from the layers as published says what cubes and 8 bits cost.",
+               preprocessing turns elevation into shares of normal, tangent and binormal, and all into cube maps by a \
+               bicubic filter. Beside those stand pictures by angles, as dense along the equator, and bumps as normals \
+               of object space. Elevation is exaggerated 20 times, clouds go round in ten days. Each pixel is held to \
+               the same texels, filtered and shaded in f64, at the place that its ray meets. It may be off by what 8 \
+               bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must be found \
+               by that. The difference from the layers as published says what cubes and 8 bits cost.",
         cases: Select::Fitting(|case| is_of(case, "layers") || is_of(case, "clouds")),
         named_by: Names::Columns(&[
             ("view", VIEW),
@@ -96,15 +97,20 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
         title: "Projections in the vertex shader",
         text: "A static buffer of sine, cosine and radius is corrected, turned to the focus and projected by the vertex \
                stage: in perspective, or as a flat map, a hyperbolic one, a dome. The same vertices are projected in f64, \
-               and each pixel is held to the texels that their triangles show there; what WGSL allows of an arc tangent \
-               may move a map by 0.25 px in 1,024. What triangles are off the formula itself stands beside it.",
+               and each pixel is held to the texels that their triangles show there. What WGSL allows of an arc tangent \
+               may move a map by 0.25 px in 1,024. By another projection's triangles pixels must be found wrong. Triangles \
+               are flat, and a projection is not: what they are off its formula stands beside it, with the same of \
+               triangles half as long. That must be less than two thirds, else the tessellation is not its cause.",
         cases: Select::Fitting(|case| is_of(case, "projections")),
         named_by: Names::Columns(&[("projection", PROJECTION)]),
         columns: &[
             BEYOND,
             Column::metric("off the texels, largest", GLOBE_SHADE_TEXELS_MAX),
             Column::metric("px", GLOBE_SHADE_PX),
+            Column::metric("px found wrong by another projection", GLOBE_SHADE_OTHER_PX),
             Column::metric("px off the formula, largest", GLOBE_FORMULA_PX_MAX),
+            Column::metric("99 %", GLOBE_FORMULA_PX_P99),
+            Column::metric("99 %, triangles half as long", GLOBE_FORMULA_FINE_PX_P99),
             Column::metric("sent a frame", GLOBE_UPLOAD_BYTES),
             DRAW,
         ],
@@ -267,21 +273,40 @@ fn exact(cases: &Cases<'_>) -> Finding {
     )
 }
 
+/// Texels a radian in the middle of a cube's face over those of a picture by angles, which is four faces round. A face is
+/// two tangents of 45° wide, for a quarter turn.
+const FACE_DENSITY: f64 = FRAC_PI_4;
+
+/// What errors near a pole say of the two kinds of pictures. Errors between texels grow with the square of their
+/// distance: where a cube's are larger by no more than that, its fewer texels may be the cause.
+fn mends([cube, angles]: [f64; 2]) -> Standing {
+    if cube < NEARER * angles {
+        Standing::Holds
+    } else if cube * FACE_DENSITY.powi(2) > angles {
+        Standing::DoesNotHold
+    } else {
+        Standing::CannotTell
+    }
+}
+
 fn poles(cases: &Cases<'_>) -> Finding {
     let pair = at_pole(cases, [["cube", "tangent"], ["angles", "tangent"]]);
-    finding(
-        "Gebbie & Bailey: cube maps mend what pictures by angles do at the poles",
-        pair.map(|(cube, angles)| cube < angles),
-        pair.map_or_else(String::new, |(cube, angles)| {
+    Finding {
+        claim: "Gebbie & Bailey: cube maps mend what pictures by angles do at the poles, by a tenth or more"
+            .to_owned(),
+        standing: pair.map_or(Standing::NotMeasured, |(cube, angles)| mends([cube, angles])),
+        because: pair.map_or_else(String::new, |(cube, angles)| {
             format!(
                 "Within 5° of the pole 99 % of the pixels are off the published layers by at most {} with cube maps and \
-                 {} with pictures by angles. In its middle a face has 21 % fewer texels a radian than a picture by angles \
-                 has along a meridian.",
+                 {} with pictures by angles. In its middle a face has {:.0} % fewer texels a radian than a picture by \
+                 angles has along a meridian, which explains up to {} times the error.",
                 significant(cube),
-                significant(angles)
+                significant(angles),
+                100.0 * (1.0 - FACE_DENSITY),
+                significant(FACE_DENSITY.powi(-2))
             )
         }),
-    )
+    }
 }
 
 fn object_space(cases: &Cases<'_>) -> Finding {
@@ -292,7 +317,7 @@ fn object_space(cases: &Cases<'_>) -> Finding {
         pair.map_or_else(String::new, |(object, tangent)| {
             format!(
                 "Within 5° of the pole 99 % of the pixels are off the published layers by at most {} with normals of \
-                 object space and {} with shares of tangents, whose direction turns once round the pole between texels.",
+                 object space and {} with shares of tangents. A tangent turns once round the pole between texels.",
                 significant(object),
                 significant(tangent)
             )
@@ -302,17 +327,28 @@ fn object_space(cases: &Cases<'_>) -> Finding {
 
 fn projected(cases: &Cases<'_>) -> Finding {
     let beyond = cases.sum(GLOBE_SHADE_BEYOND_PX);
-    let off = cases.greatest(GLOBE_FORMULA_PX_MAX);
+    let [off, most, fine] = [
+        GLOBE_FORMULA_PX_MAX,
+        GLOBE_FORMULA_PX_P99,
+        GLOBE_FORMULA_FINE_PX_P99,
+    ]
+    .map(|metric| cases.greatest(metric));
+    let figures = || {
+        let controls = cases.least(GLOBE_SHADE_OTHER_PX)?;
+        Some(format!(
+            "{} pixels show other texels than the triangles projected in f64; by another projection's triangles at least \
+             {controls} of a view do. The triangles are off the formula by at most {} px, 99 % of their pixels by {} px, \
+             and by {} px with triangles half as long: that is tessellation.",
+            beyond?,
+            significant(off?),
+            significant(most?),
+            significant(fine?)
+        ))
+    };
     finding(
-        "Each projection in the vertex shader shows what its formula puts there",
+        "The triangles of each projection are those of its formula in f64, to what 8 bits explain",
         beyond.map(|beyond| beyond == 0.0),
-        beyond.zip(off).map_or_else(String::new, |(beyond, off)| {
-            format!(
-                "{beyond} pixels show other texels than the triangles projected in f64. Those are off the formula by at \
-                 most {} px.",
-                significant(off)
-            )
-        }),
+        figures().unwrap_or_default(),
     )
 }
 
@@ -359,6 +395,19 @@ mod tests {
             run.case(id).timed(metric, &vec![ms; processes]);
         }
         bumps_cost_most(&Cases::of_study(&run.loaded(), crate::STUDY))
+    }
+
+    #[test]
+    fn a_cube_s_fewer_texels_may_be_what_its_errors_are_of() {
+        assert_eq!(mends([0.8, 1.0]), Standing::Holds);
+        // Negative controls: nearly the same, what fewer texels explain, and more than that.
+        for (cube, standing) in [
+            (0.95, Standing::CannotTell),
+            (1.6, Standing::CannotTell),
+            (1.7, Standing::DoesNotHold),
+        ] {
+            assert_eq!(mends([cube, 1.0]), standing, "{cube}");
+        }
     }
 
     #[test]

@@ -14,8 +14,8 @@ use terrafill_study::files_read;
 
 const LAYERS: &str = include_str!("../../layers.toml");
 
-/// Full white of the elevation, in radii of the body: about 20 times the height of its highest summits, since slopes as
-/// they are turn no normal by a step of 8 bits.
+/// Full white of the elevation, in radii of the body: about 20 times the height of its highest summits. Slopes as they
+/// are turn no normal by a step of 8 bits.
 const EXAGGERATED: f64 = 0.02;
 
 /// Texels of `N` bytes, rows from the north, columns from −180°.
