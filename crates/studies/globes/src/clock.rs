@@ -2,7 +2,7 @@
 //! The watch of a frame's steps, and which times are compared, by the clock that a device is read by.
 
 use crate::metrics::{
-    GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS,
+    GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_MAKE_CPU_MS, GLOBE_WHOLE_CPU_MS, GLOBE_WHOLE_GPU_MS,
 };
 use terrafill_contract::CpuStopwatch;
 use terrafill_lab::{Column, Comparison};
@@ -22,6 +22,9 @@ pub(crate) fn draw(clock: Clock) -> &'static Metric {
 /// A column of whole frames.
 pub(crate) const FRAME: Column =
     Column::clocked("frame, ms", GLOBE_WHOLE_GPU_MS, GLOBE_WHOLE_CPU_MS);
+
+/// A column of making what they draw.
+pub(crate) const MAKE: Column = Column::metric("make, CPU ms", GLOBE_MAKE_CPU_MS);
 
 /// A column of their drawing.
 pub(crate) const DRAW: Column = Column::clocked("draw, ms", GLOBE_DRAW_GPU_MS, GLOBE_DRAW_CPU_MS);

@@ -21,8 +21,8 @@ use terrafill_surface::SurfaceKind;
 
 /// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
-const SAMPLES: u32 = 7;
-const QUICK_SAMPLES: u32 = 5;
+const SAMPLES: u32 = 5;
+const FULL_SAMPLES: u32 = 7;
 
 /// Pixels a side of a quick run that names no size.
 const QUICK_SIDE_PX: u32 = 400;
@@ -73,6 +73,8 @@ impl Study for GlobesStudy {
                 groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
                 if view.all_cells {
                     groups.push(Box::new(cells::planned(view, sizes, &opened)));
+                }
+                if view.chosen {
                     groups.push(Box::new(cells::choosing(view, sizes, &opened)));
                 }
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
@@ -115,8 +117,8 @@ impl Study for GlobesStudy {
 fn sizes(request: &Request) -> (u32, u32) {
     let [width, height] = request.size_or([QUICK_SIDE_PX; 2]);
     let samples = match request.depth {
-        Depth::Quick => QUICK_SAMPLES,
-        Depth::Main | Depth::Full => SAMPLES,
+        Depth::Quick | Depth::Main => SAMPLES,
+        Depth::Full => FULL_SAMPLES,
     };
     (width.min(height), request.samples.unwrap_or(samples))
 }

@@ -17,20 +17,20 @@ pub(crate) use section::SECTION;
 
 use crate::STUDY;
 use crate::clock::FrameWatch;
-use crate::error::sorted;
+use crate::error::{quantiles, sorted};
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::opened::Opened;
 use crate::sight::{OTHER_TRIANGLES, fingerprint};
 use choose::chosen;
-use device::{MapScene, MapTargets};
+use device::{MapScene, MapTargets, keys};
 use mesh::{MapMesh, map_mesh};
 use options::Options;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_results::{CaseId, PlannedCase, Verdict, quantile};
+use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 use terrafill_surface::{Surface, SurfaceFrame};
 use tile_set::{ADDRESSES, Content, Shown, TileSet, shown};
@@ -111,6 +111,7 @@ impl Tiled {
                     targets: None,
                     truths: None,
                     of_body: None,
+                    of_drawn: None,
                     ready: BTreeMap::new(),
                 })))
             },
@@ -136,6 +137,9 @@ struct Ready {
     mesh: String,
 }
 
+/// Cells, whether fragments make V', and the level of the frame.
+type AskedBy = (u32, bool, Option<u32>);
+
 struct TiledPart<'a> {
     group: &'a Tiled,
     context: Context<'a>,
@@ -144,6 +148,8 @@ struct TiledPart<'a> {
     truths: Option<(u32, Rc<Vec<Option<Truth>>>)>,
     /// Tiles that the body asks for.
     of_body: Option<Vec<Tile>>,
+    /// Those that triangles asked for last, by what decides.
+    of_drawn: Option<(AskedBy, Vec<Tile>)>,
     /// By case.
     ready: BTreeMap<usize, Ready>,
 }
@@ -165,6 +171,8 @@ struct TiledErrors {
     /// Pixels whose tile is at hand and that show a texel off by more than is allowed, or none; those of triangles that
     /// hold a pole left out.
     wrong_px: usize,
+    /// Pixels whose ray meets no triangle.
+    open_px: usize,
     /// Tiles of which a pixel shows a texel.
     shown: BTreeSet<Tile>,
 }
@@ -208,7 +216,11 @@ impl TiledErrors {
             truth.drawn.cap.is_some()
                 || truth.drawn.is_on_map(by_fragment) && asked.all(|tile| at_hand.contains(&tile))
         };
-        let is_off = off.is_none_or(|off| off > ALLOWED_TEXELS);
+        let snapped = match shown {
+            Shown::Texel(texel) => texel.tile.texels() * truth.snapped,
+            Shown::Missing | Shown::Nothing => 0.0,
+        };
+        let is_off = off.is_none_or(|off| off > ALLOWED_TEXELS + snapped);
         self.wrong_px += usize::from(is_off && !truth.holds_pole && is_at_hand());
         if let (Shown::Texel(texel), Some(body)) = (shown, &truth.body) {
             self.body.push(off_texels(texel, body, by_fragment));
@@ -240,11 +252,13 @@ fn judge(
 ) -> TiledErrors {
     let pixels = truths.par_iter().zip(shown);
     let pixels = pixels.filter_map(|(truth, shown)| Some((truth.as_ref()?, *shown)));
-    pixels
-        .fold(TiledErrors::default, |found, (truth, shown)| {
-            found.add(truth, shown, options, at_hand)
-        })
-        .reduce(TiledErrors::default, TiledErrors::with)
+    let parts = pixels.fold(TiledErrors::default, |found, (truth, shown)| {
+        found.add(truth, shown, options, at_hand)
+    });
+    TiledErrors {
+        open_px: truths.iter().filter(|truth| truth.is_none()).count(),
+        ..parts.reduce(TiledErrors::default, TiledErrors::with)
+    }
 }
 
 fn of_mesh(mesh: &MapMesh) -> String {
@@ -282,7 +296,13 @@ impl Shows for TiledPart<'_> {
         let (all, level) = match self.group.tiles {
             TilesOf::Drawn => {
                 let truths = self.truths(options.n, &frame);
-                (tiles(&truths, &options), frame_level(&truths, &options))
+                let by = (options.n, options.by_fragment, options.one_level);
+                let all = match &self.of_drawn {
+                    Some((known, tiles)) if *known == by => tiles.clone(),
+                    _ => tiles(&truths, &options),
+                };
+                self.of_drawn = Some((by, all.clone()));
+                (all, frame_level(&truths, &options))
             }
             TilesOf::Body => {
                 let of_body = || tiles(&body_truths(eye), &options);
@@ -293,10 +313,13 @@ impl Shows for TiledPart<'_> {
         let targets = &mut self.targets;
         let targets = targets.get_or_insert_with(|| MapTargets::new(&gpu, eye.size, ADDRESSES));
         let mut scene = targets.scene(&options, level, (all, Content::Addresses))?;
-        let sent = targets.send(&mut scene, eye, &options, &mesh);
+        let mut sent = targets.send(&mut scene, eye, &options, &mesh);
+        if self.group.tiles == TilesOf::Corners {
+            sent += targets.send_tiles(&scene, &scene.set.tiles);
+        }
         targets.draw(&scene)?;
         let addresses = targets.addresses()?;
-        let keys: Vec<[u32; 4]> = scene.set.tiles.iter().map(|tile| tile.key()).collect();
+        let keys = keys(&scene.set.tiles);
         let [keys, shown] = [
             bytemuck::cast_slice(&keys),
             bytemuck::cast_slice(&addresses),
@@ -337,24 +360,27 @@ impl Shows for TiledPart<'_> {
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
         let (eye, options) = (&self.group.eye, self.group.options[case]);
         let ready = verified(&mut self.ready, case)?;
+        let targets = self.targets.as_ref();
+        let targets = targets.ok_or("it has no targets".to_owned())?;
         let mut watch = FrameWatch::start();
         let (_, mesh) = self.group.mesh(&ready.surface, &options)?;
         watch.ends("globe_make_cpu_ms");
-        if self.group.tiles == TilesOf::Corners {
-            let tiles = chosen(eye, &mesh)?;
+        let is_chosen = self.group.tiles == TilesOf::Corners;
+        let tiles = is_chosen.then(|| chosen(eye, &mesh)).transpose()?;
+        if is_chosen {
             watch.ends("globe_choose_cpu_ms");
-            if !tiles.iter().eq(&ready.scene.set.tiles) {
-                return Err(Failure::broken(
-                    "it chose other tiles than when it was verified",
-                ));
-            }
         }
-        let targets = self.targets.as_ref();
-        let targets = targets.ok_or("it has no targets".to_owned())?;
         targets.send(&mut ready.scene, eye, &options, &mesh);
+        if let Some(tiles) = &tiles {
+            targets.send_tiles(&ready.scene, tiles);
+        }
         watch.ends("globe_upload_cpu_ms");
         let gpu_ms = targets.draw(&ready.scene)?;
         let values = watch.drawn(gpu_ms);
+        if tiles.is_some_and(|tiles| !tiles.iter().eq(&ready.scene.set.tiles)) {
+            let why = "it chose other tiles than when it was verified";
+            return Err(Failure::broken(why));
+        }
         if of_mesh(&mesh) != ready.mesh {
             return Err(Failure::broken(OTHER_TRIANGLES));
         }
@@ -393,26 +419,31 @@ fn verdict(
         ("globe_upload_bytes", sent as f64),
     ];
     let [drawn, body] = [found.drawn, found.body].map(sorted);
-    let mut add = |name, of: &[f64], share| {
-        figures.extend(quantile(of, share).map(|value| (name, value)));
-    };
-    add("globe_tile_texels_max", &drawn, 1.0);
-    add("globe_tile_texels_p99", &drawn, 0.99);
-    add("globe_tile_true_texels_max", &body, 1.0);
-    add("globe_tile_true_texels_p99", &body, 0.99);
-    add("globe_tile_true_texels_median", &body, 0.5);
-    // Counted and not judged: coarse grids over the whole globe have some, at 1,024² up to 264, whose cause is not separated.
+    figures.extend(quantiles(&[
+        ("globe_tile_texels_max", &drawn, 1.0),
+        ("globe_tile_texels_p99", &drawn, 0.99),
+        ("globe_tile_true_texels_max", &body, 1.0),
+        ("globe_tile_true_texels_p99", &body, 0.99),
+        ("globe_tile_true_texels_median", &body, 0.5),
+    ]));
     if of != TilesOf::Drawn {
         figures.push(("globe_tile_wrong_px", found.wrong_px as f64));
         let spare = tiles - found.shown.len();
         figures.push(("globe_tile_spare", spare as f64));
     }
-    let reason = match found.seam_wrong_px {
-        0 => String::new(),
-        wrong => format!(
-            "{wrong} of {} pixels beside ±180° show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0",
-            found.seam_px
-        ),
+    let reason = if found.seam_wrong_px > 0 {
+        let (wrong, beside) = (found.seam_wrong_px, found.seam_px);
+        format!(
+            "{wrong} of {beside} pixels beside ±180° show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0"
+        )
+    } else if of == TilesOf::Body && found.open_px > 0 {
+        let open = found.open_px;
+        format!("{open} pixels show no surface, allowed 0: with another number of cells they may")
+    } else if of != TilesOf::Drawn && found.wrong_px > 0 {
+        let wrong = found.wrong_px;
+        format!("{wrong} pixels show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0")
+    } else {
+        String::new()
     };
     judged(reason, figures, Vec::new())
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Frames against the number of cells of the grid: the only experiment of StuCoSReC 2018 (section 3).
 //!
-//! A view's cases have the tiles that the body asks for, whatever the grid. So N alone changes, and with it the
-//! triangles, and no draw comes or goes.
+//! A view's cases have the tiles that the body asks for, whatever the grid, and the ground fills it. So N alone changes,
+//! and with it the triangles: no draw comes or goes, and no pixel.
 
 pub(crate) mod line;
 mod section;
@@ -24,14 +24,15 @@ pub(crate) const PART: &str = "cells";
 /// Cells along each side of the screen: as published, and finer ones that a trend must reach to.
 const CELLS: [u32; 12] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 20, 40];
 
-/// Timed frames in a process where each tile has a draw of the whole grid: they last tens of the others.
-const FEW_SAMPLES: u32 = 3;
+/// Of these a grid is drawn once for each tile, as published: a frame lasts tens of the others.
+const MOST_PUBLISHED: u32 = 10;
 
-/// Each number of cells, as published and in one draw.
+/// Each number of cells in one draw, and those that were published with a draw for each tile.
 fn options() -> Vec<Options> {
-    let drawings = [Drawing::DrawEach, Drawing::Array];
     let of = |n| {
-        drawings.map(|drawing| Options {
+        let each = (n <= MOST_PUBLISHED).then_some(Drawing::DrawEach);
+        let drawings = each.into_iter().chain([Drawing::Array]);
+        drawings.map(move |drawing| Options {
             n,
             drawing,
             ..Options::BASE
@@ -42,14 +43,7 @@ fn options() -> Vec<Options> {
 
 /// A view through all of them.
 pub(crate) fn planned(view: &ViewRow, sizes: (u32, u32), opened: &Rc<Opened>) -> CaseGroup<Tiled> {
-    let part = (PART, TilesOf::Body);
-    let mut group = Tiled::of_part(part, view, sizes, options(), opened);
-    for (case, options) in group.cases.iter_mut().zip(&group.work.options) {
-        if options.drawing == Drawing::DrawEach {
-            case.samples = case.samples.min(FEW_SAMPLES);
-        }
-    }
-    group
+    Tiled::of_part((PART, TilesOf::Body), view, sizes, options(), opened)
 }
 
 /// Cells along each side of the screen by whose corners tiles are chosen.

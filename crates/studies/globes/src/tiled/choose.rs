@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Tiles chosen anew in each frame by what the corners of the grid ask for (StuCoSReC 2018, section 2.1, whose rule is
-//! not handed down: this one is ours).
+//! Tiles chosen anew in each frame by what the corners of the grid ask for. The rule of StuCoSReC 2018, section 2.1, is
+//! not handed down: this one is ours.
 //!
 //! A triangle asks for each level from the coarsest to the finest that its corners' rays ask for, and on each for the
 //! tiles that its corners enclose on the map. A pixel between corners may lie nearer than all of them, and then asks for
@@ -11,11 +11,11 @@ mod section;
 pub(crate) use section::SECTION;
 
 use super::mesh::{MapMesh, MapVertex};
-use super::truth::{MAX_LEVEL, Tile};
+use super::truth::{Tile, wanted_level};
 use crate::list::Eye;
 use glam::DVec3;
 use std::collections::BTreeSet;
-use terrafill_maps::{MapPoint, MapTile, TILE_TEXELS, level_of};
+use terrafill_maps::{MapPoint, MapTile, TILE_TEXELS};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "chosen";
@@ -42,13 +42,10 @@ pub(crate) fn chosen(eye: &Eye, mesh: &MapMesh) -> Result<BTreeSet<Tile>, String
     let corner = |vertex: &MapVertex| {
         let relative_m = DVec3::from(vertex.relative_m.map(f64::from));
         let ecef = eye.camera.eye_ecef + relative_m;
-        let place = eye.body.ecef_to_geodetic(ecef);
-        let [focal_px, distance_m] = [eye.focal_px(), relative_m.length()];
-        let wanted = level_of(&eye.body, place.latitude_rad, focal_px, distance_m);
         Corner {
             u: f64::from(vertex.us[0]),
             mercator_v: MapPoint::new(&eye.body, ecef).mercator_v,
-            level: wanted.min(MAX_LEVEL),
+            level: wanted_level(eye, ecef, relative_m.length()),
         }
     };
     let corners: Vec<Corner> = mesh.vertices.iter().map(corner).collect();

@@ -89,6 +89,8 @@ pub(crate) struct MapScene {
     bind_group: wgpu::BindGroup,
     view: wgpu::Buffer,
     map: wgpu::Buffer,
+    /// Keys of the tiles, sorted.
+    tiles: wgpu::Buffer,
     vertices: wgpu::Buffer,
     count: u32,
     /// Where the texels are bound.
@@ -97,6 +99,11 @@ pub(crate) struct MapScene {
     pub(crate) texels: Vec<wgpu::BindGroup>,
     pub(crate) set: TileSet,
     level: Option<u32>,
+}
+
+/// As the shader searches them.
+pub(crate) fn keys<'t>(tiles: impl IntoIterator<Item = &'t Tile>) -> Vec<[u32; 4]> {
+    tiles.into_iter().map(|tile| tile.key()).collect()
 }
 
 fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
@@ -213,7 +220,7 @@ impl MapTargets {
         (tiles, content): (Vec<Tile>, Content),
     ) -> Result<MapScene, DeviceError> {
         let gpu = Arc::clone(&self.canvas.gpu);
-        let keys: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.key()).collect();
+        let keys = keys(&tiles);
         let set = TileSet::new(&gpu, tiles, &content, options.drawing)?;
         let entries = texel_entries(options.drawing, &content, keys.len());
         let layout = gpu
@@ -226,13 +233,15 @@ impl MapTargets {
         let view = uniform::<ViewConstants>(&gpu, "view constants");
         let map = uniform::<MapConstants>(&gpu, "map constants");
         let bytes = bytemuck::cast_slice(&keys);
-        let list = gpu.upload("tiles", bytes, wgpu::BufferUsages::STORAGE)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let list = gpu.upload("tiles", bytes, usage)?;
         let bind_group = gpu.bind_buffers("map", &self.layout, &[&view, &map, &list]);
         Ok(MapScene {
             pipeline,
             bind_group,
             view,
             map,
+            tiles: list,
             vertices: vertex_buffer(&gpu, 4),
             count: 0,
             group: match options.drawing {
@@ -271,6 +280,19 @@ impl MapTargets {
         }
         scene.count = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
         all.iter().map(|(_, bytes)| bytes.len() as u64).sum()
+    }
+
+    /// Hands a frame's tiles to the device, no more than the scene has; bytes that were sent.
+    pub(crate) fn send_tiles<'t>(
+        &self,
+        scene: &MapScene,
+        tiles: impl IntoIterator<Item = &'t Tile>,
+    ) -> u64 {
+        let keys = keys(tiles);
+        let most = scene.set.tiles.len().min(keys.len());
+        let bytes: &[u8] = bytemuck::cast_slice(&keys[..most]);
+        self.canvas.gpu.write_buffer(&scene.tiles, 0, bytes);
+        bytes.len() as u64
     }
 
     /// Draws, waits, and gives the GPU's time.

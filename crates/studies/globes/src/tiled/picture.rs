@@ -17,7 +17,7 @@ use super::tile_set::{ADDRESSES, COLOURS, Content, SIDE, Shown, shown};
 use super::truth::{Texel, Tile, Truth, WrappedPoint, frame_level, tiles, truths};
 use crate::STUDY;
 use crate::clock::FrameWatch;
-use crate::error::sorted;
+use crate::error::{quantiles, sorted};
 use crate::image::write_png;
 use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, SIZE_PX, VIEW};
@@ -30,7 +30,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
-use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict, quantile};
+use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict};
 use terrafill_scene::{MipChain, Scene};
 use terrafill_study::{
     CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, files_read, judged, verified,
@@ -350,12 +350,10 @@ impl Shows for PicturePart<'_> {
             ("globe_upload_bytes", drawn.sent as f64),
         ];
         let off = sorted(found.off);
-        for (metric, share) in [
-            ("globe_tile_colour_off_median", 0.5),
-            ("globe_tile_colour_off_p99", 0.99),
-        ] {
-            figures.extend(quantile(&off, share).map(|value| (metric, value)));
-        }
+        figures.extend(quantiles(&[
+            ("globe_tile_colour_off_median", &off, 0.5),
+            ("globe_tile_colour_off_p99", &off, 0.99),
+        ]));
         let reason = match (found.texels, found.wrong) {
             (0, _) => "no pixel shows a texel".to_owned(),
             (_, 0) => String::new(),

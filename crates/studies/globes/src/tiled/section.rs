@@ -8,6 +8,14 @@ use crate::metrics::{self, *};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::{Case, Finding};
 
+/// Columns that all parts on tiles have.
+pub(crate) const MISSING: Column = Column::metric("px without a tile", GLOBE_TILE_MISSING_PX);
+pub(crate) const WRONG: Column = Column::metric("wrong px", GLOBE_TILE_WRONG_PX);
+pub(crate) const COUNT: Column = Column::metric("tiles", GLOBE_TILE_COUNT);
+pub(crate) const AT_SEAM: Column = Column::metric("px at the seam", GLOBE_TILE_SEAM_PX);
+pub(crate) const OFF_AT_SEAM: Column = Column::metric("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX);
+pub(crate) const LARGEST: Column = Column::metric("texels, largest", GLOBE_TILE_TEXELS_MAX);
+
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Tiles of a map over the grid on the screen",
     text: "A Web Mercator map in tiles of 256 × 256 texels lies over the grid on the screen, with a stereographic cap \
@@ -15,23 +23,23 @@ pub(crate) const SECTION: Section<'static> = Section {
            “Texels” is how far outside it the pixel's place lies: by the triangles as drawn, with longitude in one \
            piece, which leaves seam and f32 as causes; and by the body itself. Triangles that hold a pole are left \
            out of the first: longitude is no function on them. A case of the base is a grid of 10 × 10 cells, split \
-           by the CPU at ½, V' by the vertex, one draw from an array, a level for each pixel. Others differ in what \
-           is named.",
+           by the CPU at ½, with V' by the vertex. It has one draw from an array, and a level for each pixel. Others \
+           differ in what is named.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Of("way", name),
     columns: &[
         Column::metric("crossing triangles", GLOBE_TILE_CROSSING),
         Column::metric("missed", GLOBE_TILE_MISSED),
-        Column::metric("px at the seam", GLOBE_TILE_SEAM_PX),
-        Column::metric("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX),
-        Column::metric("texels, largest", GLOBE_TILE_TEXELS_MAX),
+        AT_SEAM,
+        OFF_AT_SEAM,
+        LARGEST,
         Column::metric("texels, 99 %", GLOBE_TILE_TEXELS_P99),
         Column::metric("of the body, median", GLOBE_TILE_TRUE_TEXELS_MEDIAN),
         Column::metric("of the body, 99 %", GLOBE_TILE_TRUE_TEXELS_P99),
         Column::metric("of the body, largest", GLOBE_TILE_TRUE_TEXELS_MAX),
-        Column::metric("px without a tile", GLOBE_TILE_MISSING_PX),
+        MISSING,
         Column::metric("px in triangles with a pole", GLOBE_TILE_POLE_PX),
-        Column::metric("tiles", GLOBE_TILE_COUNT),
+        COUNT,
         Column::metric("draws", GLOBE_TILE_DRAWS),
         FRAME,
         DRAW,

@@ -6,7 +6,7 @@ mod section;
 
 pub(crate) use section::SECTION;
 
-use super::device::MapConstants;
+use super::device::{MapConstants, keys};
 use super::mesh::{MapMesh, MapVertex, map_mesh};
 use super::options::{Options, Seam};
 use super::tile_set::{SIDE, Shown, address, shown};
@@ -232,7 +232,7 @@ impl StagePart<'_> {
             size_of::<MapConstants>(),
             BufferUse::Uniform,
         )?;
-        let keys: Vec<[u32; 4]> = tiles.0.iter().map(|tile| tile.key()).collect();
+        let keys = keys(&tiles.0);
         let list = buffer("tiles", size_of_val(keys.as_slice()), BufferUse::Storage)?;
         list.stream(bytemuck::cast_slice(&keys))?;
         let bytes = count * size_of::<MapVertex>();

@@ -134,11 +134,25 @@ fn a_texel_beside_the_right_one_is_found_wrong() {
         levels: [0; 2],
         is_at_seam: true,
         holds_pole: false,
+        snapped: 0.0,
     };
     let all = BTreeSet::from([texel(0, 10).tile]);
     let found = |shown| judge(&[Some(truth)], &[shown], &Options::BASE, &all);
     assert_eq!(found(Shown::Missing).wrong_px, 1);
     assert_eq!(found(Shown::Texel(texel(0, 10))).wrong_px, 0);
+    // Seen along its plane, a triangle shows what its corners' rounding moves there.
+    let steep = Truth {
+        snapped: 2.0 / 256.0,
+        ..truth
+    };
+    let beside = |truth, x| {
+        let shown = [Shown::Texel(texel(x, 10))];
+        judge(&[Some(truth)], &shown, &Options::BASE, &all).wrong_px
+    };
+    assert_eq!(
+        (beside(truth, 2), beside(steep, 2), beside(steep, 4)),
+        (1, 0, 1)
+    );
     // A pixel whose tile is not at hand cannot show it.
     let without = judge(
         &[Some(truth)],
@@ -150,4 +164,21 @@ fn a_texel_beside_the_right_one_is_found_wrong() {
     assert_eq!(found(Shown::Missing).seam_wrong_px, 1);
     assert_eq!(found(Shown::Texel(texel(0, 10))).seam_wrong_px, 0);
     assert_eq!(found(Shown::Texel(texel(2, 10))).seam_wrong_px, 1);
+}
+
+#[test]
+fn coarse_grids_over_the_whole_globe_show_no_wrong_texel() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let opened = Rc::new(Opened::new(KINDS));
+        let options = [2, 5, 10].map(|n| Options { n, ..Options::BASE });
+        let part = ("cells", TilesOf::Body);
+        let view = tiled_view("globe");
+        let tiled = Tiled::of_part(part, &view, (640, 1), options.into(), &opened);
+        let mut session = tiled.open(context).expect("opens");
+        for (case, options) in tiled.work.options.iter().enumerate() {
+            let verdict = on_device::verdict(&mut *session, case, options);
+            assert!(figure(&verdict, "globe_tile_px") > 10_000.0);
+            assert_eq!(figure(&verdict, "globe_tile_wrong_px"), 0.0);
+        }
+    });
 }

@@ -3,13 +3,13 @@
 //! the body itself. The first leaves the seam and `f32` as the only causes of an error.
 
 use super::options::Options;
+use crate::error::SNAPPED_PX;
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
-use terrafill_core::Geodetic;
 use terrafill_maps::{
     MapPoint, MapTile, TILE_TEXELS, cap_point, half_plane_crossings, level_of, mercator_v,
 };
@@ -41,6 +41,14 @@ impl Tile {
         match self {
             Self::Map { level, row, column } => [level, row, column, 0],
             Self::Cap { is_south } => [1000, 0, u32::from(is_south), 0],
+        }
+    }
+
+    /// Along the side of the picture that it is a part of.
+    pub(crate) fn texels(self) -> f64 {
+        match self {
+            Self::Map { level, .. } => TILE_TEXELS * f64::from(level).exp2(),
+            Self::Cap { .. } => TILE_TEXELS,
         }
     }
 
@@ -87,6 +95,9 @@ pub(crate) struct Truth {
     pub(crate) is_at_seam: bool,
     /// Whether the triangle holds a pole, so that U is no function on it.
     pub(crate) holds_pole: bool,
+    /// How far U or V' moves where corners are moved to what a device keeps of them: much where a triangle is seen along
+    /// its plane, at the limb.
+    pub(crate) snapped: f64,
 }
 
 /// Pixels in rows.
@@ -135,9 +146,13 @@ fn truth(
         let there = camera.direction_ecef(eye.size, [centre[0] + x, centre[1] + y]);
         (at(there)[0] - u).abs()
     });
+    let snapped = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|way| {
+        let beside = [0, 1].map(|axis| centre[axis] + SNAPPED_PX * way[axis]);
+        let [there_u, by_vertex_there, _] = at(camera.direction_ecef(eye.size, beside));
+        (there_u - u).abs().max((by_vertex_there - by_vertex).abs())
+    });
     let ecef = camera.eye_ecef + direction * depth;
     let crossings = half_plane_crossings(corners);
-    let place = eye.body.ecef_to_geodetic(ecef);
     let drawn = WrappedPoint {
         u,
         mercator_vs: [by_vertex, by_fragment],
@@ -149,11 +164,12 @@ fn truth(
     Some(Truth {
         drawn,
         body: of_body,
-        levels: wanted_levels(eye, place, direction.length() * depth),
+        levels: wanted_levels(eye, ecef, direction.length() * depth),
         is_at_seam: is_on_map == [true; 2]
             && crossings == 2
             && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
         holds_pole: crossings % 2 == 1,
+        snapped: snapped.into_iter().fold(0.0, f64::max),
     })
 }
 
@@ -174,25 +190,30 @@ pub(crate) fn body_truths(eye: &Eye) -> Vec<Option<Truth>> {
         let depth = body.hit(direction, camera.near_m)?;
         let ecef = camera.eye_ecef + direction * depth;
         let drawn = on_body(eye, ecef);
-        let place = eye.body.ecef_to_geodetic(ecef);
         Some(Truth {
             drawn,
             body: Some(drawn),
-            levels: wanted_levels(eye, place, direction.length() * depth),
+            levels: wanted_levels(eye, ecef, direction.length() * depth),
             is_at_seam: false,
             holds_pole: false,
+            snapped: 0.0,
         })
     })
 }
 
 /// From and to, by how a device may round the distance.
-fn wanted_levels(eye: &Eye, place: Geodetic, distance_m: f64) -> [u32; 2] {
+fn wanted_levels(eye: &Eye, ecef: DVec3, distance_m: f64) -> [u32; 2] {
     [1.0 + LEVEL_ROUNDING, 1.0 - LEVEL_ROUNDING]
-        .map(|share| wanted_level(eye, place, share * distance_m))
+        .map(|share| wanted_level(eye, ecef, share * distance_m))
 }
 
-fn wanted_level(eye: &Eye, place: Geodetic, distance_m: f64) -> u32 {
-    level_of(&eye.body, place.latitude_rad, eye.focal_px(), distance_m).min(MAX_LEVEL)
+/// By the latitude that the map has for a place: that of the ellipsoid through it, of the same shape. A coarse grid hangs
+/// far below the body, where geodetic latitude is another.
+pub(crate) fn wanted_level(eye: &Eye, ecef: DVec3, distance_m: f64) -> u32 {
+    let radii = eye.body.radii_m();
+    let up = (ecef / (radii * radii)).normalize();
+    let latitude_rad = up.z.atan2(up.x.hypot(up.y));
+    level_of(&eye.body, latitude_rad, eye.focal_px(), distance_m).min(MAX_LEVEL)
 }
 
 /// The level of a whole frame, where it has one: by the finest that a pixel of the map asks for.
@@ -212,17 +233,25 @@ pub(crate) fn tiles_of(
     by_fragment: bool,
     levels: RangeInclusive<u32>,
 ) -> impl Iterator<Item = Tile> {
+    const ROUNDING: f64 = ROUNDING_TEXELS / TILE_TEXELS;
     let [u, v] = [place.u, place.mercator_vs[usize::from(by_fragment)]];
     let beside = move |level: u32| {
-        let step = ROUNDING_TEXELS / (TILE_TEXELS * f64::from(level).exp2());
-        [
+        let count = f64::from(level).exp2();
+        let step = ROUNDING / count;
+        let all = [
             [0.0, 0.0],
             [step, 0.0],
             [-step, 0.0],
             [0.0, step],
             [0.0, -step],
-        ]
-        .map(move |[x, y]| (level, u + x, v + y))
+        ];
+        // In the middle of a tile no other is near.
+        let is_inside = [u, v].iter().all(|at| {
+            let rest = at * count - (at * count).floor();
+            (ROUNDING..1.0 - ROUNDING).contains(&rest)
+        });
+        let all = all.into_iter().take(if is_inside { 1 } else { all.len() });
+        all.map(move |[x, y]| (level, u + x, v + y))
     };
     levels.flat_map(beside).filter_map(|(level, u, v)| {
         let v = v.clamp(0.0, 1.0_f64.next_down());
@@ -233,20 +262,25 @@ pub(crate) fn tiles_of(
 /// Tiles that a picture shows, sorted, both caps last.
 pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
     let level = frame_level(truths, options);
-    let asked = |mut tiles: BTreeSet<Tile>, truth: &Truth| {
+    // Pixels beside each other mostly ask for the same tile.
+    let asked = |(mut tiles, mut last): (BTreeSet<Tile>, Option<Tile>), truth: &Truth| {
         let [from, to] = truth.levels;
         let levels = level.map_or(from..=to, |level| level..=level);
-        tiles.extend(tiles_of(&truth.drawn, options.by_fragment, levels));
-        tiles
+        for tile in tiles_of(&truth.drawn, options.by_fragment, levels) {
+            if last != Some(tile) {
+                tiles.insert(tile);
+            }
+            last = Some(tile);
+        }
+        (tiles, last)
     };
     let both = |mut some: BTreeSet<Tile>, mut others: BTreeSet<Tile>| {
         some.append(&mut others);
         some
     };
     let pixels = truths.par_iter().flatten();
-    let tiles = pixels
-        .fold(BTreeSet::new, asked)
-        .reduce(BTreeSet::new, both);
+    let parts = pixels.fold(Default::default, asked).map(|(tiles, _)| tiles);
+    let tiles = parts.reduce(BTreeSet::new, both);
     let caps = [false, true].map(|is_south| Tile::Cap { is_south });
     tiles.into_iter().chain(caps).collect()
 }
@@ -264,8 +298,8 @@ pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) 
     let beyond = |shown: f64, at: f64| ((shown + 0.5 - at).abs() - 0.5).max(0.0);
     let [x, y] = [texel.x, texel.y].map(f64::from);
     match (texel.tile, place.cap) {
-        (Tile::Map { level, row, column }, _) => {
-            let side = TILE_TEXELS * f64::from(level).exp2();
+        (Tile::Map { row, column, .. }, _) => {
+            let side = texel.tile.texels();
             let shown = f64::from(column) * TILE_TEXELS + x;
             let at = place.u.rem_euclid(1.0) * side;
             // Round the map the nearer way.
@@ -283,5 +317,34 @@ pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) 
             let end = terrafill_maps::max_latitude_rad();
             0.5 * TILE_TEXELS * (end - latitude).max(0.0) / (std::f64::consts::FRAC_PI_2 - end)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::on_device::tiled_view;
+
+    #[test]
+    fn far_below_the_body_a_level_goes_by_the_latitude_that_the_map_has() {
+        let eye = tiled_view("globe").eye(1024);
+        let radii = eye.body.radii_m();
+        let place = 0.6 * DVec3::new(0.5, 0.5, 0.7) * radii;
+        let up = (place / (radii * radii)).normalize();
+        let of_map = MapPoint::new(&eye.body, place).mercator_v;
+        assert!((mercator_v(0.5 - up.z.asin() / std::f64::consts::PI) - of_map).abs() < 0.01);
+        // At a distance between what both latitudes ask for, geodetic latitude asks for another level.
+        let latitudes = [up.z.asin(), eye.body.ecef_to_geodetic(place).latitude_rad];
+        let round_m = latitudes.map(|latitude| {
+            TAU * eye.body.equatorial_radius_m() * latitude.cos() * eye.focal_px() / TILE_TEXELS
+        });
+        assert!((latitudes[0] - latitudes[1]).abs() > 1e-3, "{latitudes:?}");
+        let between_m = 0.5 * (round_m[0] + round_m[1]) / 8.0;
+        let level = level_of(&eye.body, latitudes[1], eye.focal_px(), between_m);
+        assert_ne!(wanted_level(&eye, place, between_m), level);
+        assert_eq!(
+            wanted_level(&eye, place, between_m),
+            level_of(&eye.body, latitudes[0], eye.focal_px(), between_m)
+        );
     }
 }

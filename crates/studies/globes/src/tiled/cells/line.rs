@@ -39,7 +39,11 @@ pub(crate) fn line(points: &[[f64; 2]]) -> Option<Line> {
         return None;
     }
     let (slope, freedom) = (sum(0, 1) / sum(0, 0), count - 2.0);
-    let correlation = sum(0, 1) / (sum(0, 0) * sum(1, 1)).sqrt();
+    // Where all are equal upwards nothing goes with anything.
+    let correlation = match (sum(0, 0) * sum(1, 1)).sqrt() {
+        0.0 => 0.0,
+        spread => (sum(0, 1) / spread).clamp(-1.0, 1.0),
+    };
     let t = correlation * (freedom / (1.0 - correlation * correlation)).sqrt();
     let left = (sum(1, 1) - slope * sum(0, 1)).max(0.0);
     let reach = quantile(freedom) * (left / freedom / sum(0, 0)).sqrt();
@@ -120,6 +124,15 @@ mod tests {
         assert!((reach - 2.2622 * 0.1179).abs() < 1e-4, "{reach}");
         assert!((found.at(9.0) - 7.501).abs() < 1e-3);
         assert_eq!(line(&points[..2]), None);
+        // Equal times rise with nothing, and those on a line leave nothing over.
+        let level = line(&[[1.0, 2.0], [2.0, 2.0], [3.0, 2.0]]).expect("a line");
+        assert_eq!(
+            (level.slope, level.correlation, level.interval),
+            (0.0, 0.0, [0.0; 2])
+        );
+        assert!((level.p - 1.0).abs() < 1e-9);
+        let straight = line(&[[1.0, 2.0], [2.0, 3.0], [3.0, 4.0]]).expect("a line");
+        assert!(straight.correlation == 1.0 && straight.p.abs() < 1e-9);
         // Negative control: turned round, the slope is another.
         let turned: Vec<[f64; 2]> = points.iter().map(|[x, y]| [*y, *x]).collect();
         let turned = line(&turned).expect("a line");

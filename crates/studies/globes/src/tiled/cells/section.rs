@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The section on frames against the number of cells, beside what was published.
 
-use super::PART;
 use super::line::{Line, line};
-use crate::clock::{DRAW, FRAME, whole};
+use super::{MOST_PUBLISHED, PART};
+use crate::clock::{DRAW, FRAME, MAKE, whole};
 use crate::metrics::{self, *};
+use crate::tiled::section::{COUNT, MISSING, WRONG};
 use std::collections::BTreeMap;
 use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, draw, measured, overall};
-use terrafill_plot::number::{significant, times};
+use terrafill_plot::number::{figure, significant, times};
 use terrafill_plot::{Curve, Point, PointStanding, Reading, Upwards, WorkPrecision};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Finding, Heading, Noise, Row, Standing, Table,
-    over_processes, process_medians, sample_spread,
+    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Noise, Row, Standing,
+    Table, over_processes, process_medians, sample_spread,
 };
 
 /// A. Jeromel, StuCoSReC 2018, p. 42: frames per second by N × N rectangles of the screen, N from 1 on.
@@ -19,8 +20,6 @@ pub(crate) const PUBLISHED_FPS: [f64; 10] = [
     452.90, 350.62, 397.89, 407.09, 405.80, 364.40, 356.11, 370.66, 382.86, 359.95,
 ];
 
-/// Of these numbers of cells a frame is the unit of its curve, so that two machines stand in one picture.
-const MOST_PUBLISHED: u32 = 10;
 const PUBLISHED: &str = "published";
 /// How tiles are drawn, and what a panel of it is called.
 const WAYS: [(&str, &str); 2] = [
@@ -33,23 +32,24 @@ pub(crate) const SECTION: Section<'static> = Section {
     title: "Frame time against the number of cells",
     text: "The only experiment of StuCoSReC 2018: N × N rectangles of the screen, N from 10 down to 1, and the mean time \
            of a frame. It does not state window, view, tiles or draws. Here a frame makes the grid, sends it and draws \
-           it, and the device waits for no other. The tiles of a view are those that the body asks for, the same at \
-           every N; triangles across ±180° are split by the CPU at ½. A line is fitted to the frame over 2 N² \
-           triangles, ours by the same rule as the ten published times. Its interval is Student's, 95 %, by what the \
-           points leave over. Wrong pixels \
-           are counted and not judged: with coarse grids the view of the whole globe has some, whose cause is not \
-           separated. There few corners also cover less of the body, so that pixels grow with N as triangles do. \
-           Times of another machine stand beside ours as shares of the mean frame of N = 1 … 10.",
+           it, and the device waits for no other. The ground fills every view, so that no pixel comes or goes with N, \
+           and one that shows no surface or a wrong texel makes the case wrong. The tiles of a view are those that the \
+           body asks for, the same at every N; triangles across ±180° are split by the CPU at ½. In each process a line \
+           is fitted to the frame over the triangles drawn. Its slope and the ratio of its ends have their interval \
+           over processes, which decides. The table of lines has Student's interval as well, by what points leave over: \
+           the ten published times have no other. Times of another machine stand beside ours as shares of the mean \
+           frame of N = 1 … 10.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[("view", VIEW), ("tiles", TILES), ("N", CELLS)]),
     columns: &[
         Column::metric("triangles", GLOBE_TRIANGLES),
         Column::metric("draws", GLOBE_TILE_DRAWS),
-        Column::metric("tiles", GLOBE_TILE_COUNT),
-        Column::metric("wrong px", GLOBE_TILE_WRONG_PX),
-        Column::metric("px without a tile", GLOBE_TILE_MISSING_PX),
+        COUNT,
+        Column::metric("px with a texel", GLOBE_TILE_PX),
+        WRONG,
+        MISSING,
         FRAME,
-        Column::metric("make, CPU ms", GLOBE_MAKE_CPU_MS),
+        MAKE,
         DRAW,
         Column::of(
             "published, ms",
@@ -66,50 +66,70 @@ pub(crate) const SECTION: Section<'static> = Section {
     ..Section::EMPTY
 };
 
-/// Triangles and milliseconds of the published frames.
+/// Triangles, two a rectangle, and milliseconds of the published frames.
 pub(crate) fn published() -> Vec<[f64; 2]> {
     let rates = (1..).zip(PUBLISHED_FPS);
-    rates.map(|(n, rate)| [triangles(n), 1e3 / rate]).collect()
-}
-
-/// Two a rectangle.
-fn triangles(n: u32) -> f64 {
-    f64::from(2 * n * n)
+    rates
+        .map(|(n, rate)| [f64::from(2 * n * n), 1e3 / rate])
+        .collect()
 }
 
 fn cells(case: &Case) -> Option<u32> {
     case.condition(CELLS).parse().ok()
 }
 
-/// Triangles and frames of the cases that count, up to a number of cells.
-fn points(cases: &Cases<'_>, most: u32) -> Vec<[f64; 2]> {
-    let metric = whole(cases.clock());
-    let counted = cases.iter().filter(|case| case.counts());
-    let point = |case: &Case| Some((cells(case)?, measured(case, metric)?));
-    let all = counted.filter_map(point).filter(|(n, _)| *n <= most);
-    all.map(|(n, ms)| [triangles(n), ms]).collect()
+/// Cases that count, up to a number of cells, with the triangles that they draw.
+fn counted<'a>(cases: &Cases<'a>, most: u32) -> Vec<(f64, &'a Case)> {
+    let own = cases
+        .iter()
+        .filter(|case| case.counts() && cells(case).is_some_and(|n| n <= most));
+    own.filter_map(|case| Some((case.value(GLOBE_TRIANGLES)?, case)))
+        .collect()
 }
 
-/// The frame of the most cells over that of one, by the line of each process.
-fn rises(cases: &Cases<'_>, most: u32) -> Option<terrafill_results::Estimate> {
+/// Triangles and frames.
+fn points(cases: &Cases<'_>, most: u32) -> Vec<[f64; 2]> {
     let metric = whole(cases.clock());
+    let own = counted(cases, most).into_iter();
+    own.filter_map(|(triangles, case)| Some([triangles, measured(case, metric)?]))
+        .collect()
+}
+
+/// What the lines of processes say.
+struct Trend {
+    /// Triangles of the fewest cells and of the most.
+    ends: [f64; 2],
+    /// Microseconds a triangle.
+    slope: Estimate,
+    /// The frame at the second end over that at the first.
+    over: Estimate,
+}
+
+fn trend(cases: &Cases<'_>, most: u32) -> Option<Trend> {
+    let metric = whole(cases.clock());
+    let own = counted(cases, most);
     let mut by_process: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
-    for case in cases.iter().filter(|case| case.counts()) {
-        let Some(n) = cells(case).filter(|n| *n <= most) else {
-            continue;
-        };
+    for (triangles, case) in &own {
         for (process, ms) in process_medians(case, metric) {
             by_process
                 .entry(process)
                 .or_default()
-                .push([triangles(n), ms]);
+                .push([*triangles, ms]);
         }
     }
-    let ratios = by_process.values().filter_map(|points| {
-        let line = line(points)?;
-        Some(line.at(triangles(most)) / line.at(triangles(1)))
-    });
-    over_processes(&ratios.collect::<Vec<f64>>())
+    let lines: Vec<Line> = by_process.values().filter_map(|of| line(of)).collect();
+    let triangles = || own.iter().map(|(triangles, _)| *triangles);
+    let ends = [
+        triangles().min_by(f64::total_cmp)?,
+        triangles().max_by(f64::total_cmp)?,
+    ];
+    let slopes: Vec<f64> = lines.iter().map(|line| 1e3 * line.slope).collect();
+    let ratios = lines.iter().map(|line| line.at(ends[1]) / line.at(ends[0]));
+    Some(Trend {
+        ends,
+        slope: over_processes(&slopes)?,
+        over: over_processes(&ratios.collect::<Vec<f64>>())?,
+    })
 }
 
 /// Whether times rise with triangles over the published numbers of cells, in every view.
@@ -118,13 +138,13 @@ fn rising(cases: &Cases<'_>, way: &str, named: &str) -> Finding {
     let band = Noise::band(own.noise(whole(cases.clock())));
     let views = own.by(VIEW);
     let views = views.iter().filter_map(|(view, cases)| {
-        let over = rises(cases, MOST_PUBLISHED)?;
-        let line = line(&points(cases, MOST_PUBLISHED))?;
-        let [low, high] = line.interval.map(|slope| significant(1e3 * slope));
+        let Trend { ends, slope, over } = trend(cases, MOST_PUBLISHED)?;
         let words = format!(
-            "{view}: {} µs a triangle ({low} … {high}), so {} from 2 triangles to 200",
-            significant(1e3 * line.slope),
-            times(&over)
+            "{view}: {} µs a triangle, so {} from {} triangles to {}",
+            figure(&slope),
+            times(&over),
+            ends[0],
+            ends[1]
         );
         Some((words, Claim::Faster.standing_beyond(&over, band)))
     });
@@ -155,21 +175,18 @@ fn said_of_published() -> String {
             significant(1e3 * line.slope),
             significant(line.p),
             if line.interval[0] <= 0.0 && line.interval[1] >= 0.0 {
-                "they show no effect"
+                "by them no effect is shown"
             } else {
-                "they show one"
+                "by them an effect is shown"
             }
         )
     })
 }
 
-/// Mean frame of the published numbers of cells.
+/// Mean frame: of the published numbers of cells, so that two machines stand in one picture.
 fn unit(points: &[[f64; 2]]) -> Option<f64> {
-    let own = points
-        .iter()
-        .filter(|[x, _]| *x <= triangles(MOST_PUBLISHED));
-    let own: Vec<f64> = own.map(|[_, ms]| *ms).collect();
-    (!own.is_empty()).then(|| own.iter().sum::<f64>() / own.len() as f64)
+    let sum: f64 = points.iter().map(|[_, ms]| *ms).sum();
+    (!points.is_empty()).then(|| sum / points.len() as f64)
 }
 
 fn point([x, y]: [Reading; 2]) -> Point {
@@ -199,18 +216,18 @@ fn published_curve() -> Curve {
 /// A view's frames over their own unit.
 fn curve(name: &str, cases: &Cases<'_>) -> Option<Curve> {
     let metric = whole(cases.clock());
-    let unit = unit(&points(cases, u32::MAX))?;
-    let shown = |case: &Case| {
-        let x = Reading::exact(triangles(cells(case)?));
+    let unit = unit(&points(cases, MOST_PUBLISHED))?;
+    let shown = |(triangles, case): (f64, &Case)| {
+        let x = Reading::exact(triangles);
         let spread = sample_spread(case, metric)?.over(unit);
         let replicates = process_medians(case, metric).into_values();
         let replicates: Vec<f64> = replicates.map(|ms| ms / unit).collect();
         Some(point([x, Reading::sampled(spread, &replicates)]))
     };
-    let counted = cases.iter().filter(|case| case.counts());
+    let all = counted(cases, u32::MAX).into_iter();
     Some(Curve {
         name: name.to_owned(),
-        points: counted.filter_map(shown).collect(),
+        points: all.filter_map(shown).collect(),
     })
 }
 
@@ -229,7 +246,7 @@ fn plot(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
         curves.push(published_curve());
         Some(WorkPrecision {
             title,
-            across: "triangles, 2 N²",
+            across: "triangles drawn; published: 2 N²",
             up: "frame over the mean of N = 1 … 10",
             upwards: Upwards::Amount,
             curves,
@@ -248,14 +265,17 @@ fn plot(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
 /// A row of a line, of what was published or of ours.
 fn row(
     [series, way, cells]: [&str; 3],
-    points: &[[f64; 2]],
-    over: Result<String, &'static str>,
+    (points, unit): (&[[f64; 2]], Option<f64>),
+    by_process: Result<Trend, &'static str>,
 ) -> Row {
     let found = line(points);
-    let unit = unit(points);
     let cell = |of: &dyn Fn(&Line, f64) -> String| {
         let text = found.as_ref().zip(unit).map(|(line, unit)| of(line, unit));
         Cell::or_absent(text, NO_LINE)
+    };
+    let of_processes = |of: &dyn Fn(&Trend) -> String| match &by_process {
+        Ok(trend) => Cell::plain(of(trend)),
+        Err(why) => Cell::absent(*why),
     };
     // Of the mean frame, per cent for a hundred triangles.
     let share = |slope: f64, unit: f64| significant(1e4 * slope / unit);
@@ -271,10 +291,8 @@ fn row(
         cell(&|line, _| significant(line.correlation)),
         cell(&|line, _| significant(line.p)),
         cell(&|line, unit| share(line.slope, unit)),
-        match over {
-            Ok(text) => Cell::plain(text),
-            Err(why) => Cell::absent(why),
-        },
+        of_processes(&|trend| figure(&trend.slope)),
+        of_processes(&|trend| times(&trend.over)),
     ])
 }
 
@@ -283,17 +301,18 @@ fn lines(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     const RANGES: [(u32, &str); 2] = [(MOST_PUBLISHED, "1 … 10"), (40, "1 … 40")];
     let mut rows = vec![row(
         [PUBLISHED, WAYS[0].0, RANGES[0].1],
-        &published(),
+        (&published(), unit(&published())),
         Err("one time a number of cells"),
     )];
     for (view, own) in cases.by(VIEW) {
         for (way, own) in own.by(TILES) {
-            for (most, range) in RANGES {
-                let over = rises(&own, most).map(|over| times(&over));
+            let unit = unit(&points(&own, MOST_PUBLISHED));
+            let last = own.iter().filter_map(cells).max();
+            for (most, range) in RANGES.into_iter().filter(|(most, _)| last >= Some(*most)) {
                 rows.push(row(
                     [view, way, range],
-                    &points(&own, most),
-                    over.ok_or(NO_LINE),
+                    (&points(&own, most), unit),
+                    trend(&own, most).ok_or(NO_LINE),
                 ));
             }
         }
@@ -303,11 +322,12 @@ fn lines(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
         "tiles",
         "N",
         "µs a triangle",
-        "95 % interval",
+        "Student's 95 % interval",
         "correlation",
         "p",
         "% of the mean frame for 100 triangles",
-        "most cells ÷ one, by the lines of processes",
+        "µs a triangle, by processes",
+        "frame with the most ÷ with the fewest, by processes",
     ];
     Ok(Some(Block::Table(Table {
         caption: "Lines through frames over triangles; p: how likely a correlation as large is where there is none"

@@ -4,6 +4,7 @@
 use super::*;
 use crate::STUDY;
 use crate::clock::whole;
+use crate::metrics::GLOBE_TRIANGLES;
 use crate::on_device::{self, figure, on_device, tiled_view};
 use terrafill_lab::Cases;
 use terrafill_results::made_up::MadeUpRun;
@@ -15,9 +16,9 @@ use terrafill_study::Group as _;
 fn every_number_of_cells_draws_from_the_same_tiles_and_shows_what_it_should() {
     on_device(terrafill_gpu::shared_gpu, |context| {
         let opened = Rc::new(Opened::new(&[&ScreenGridKind]));
-        let group = planned(&tiled_view("globe"), (120, 5), &opened);
+        let group = planned(&tiled_view("tilted-100km"), (120, 1), &opened);
         let mut session = group.open(context).expect("opens");
-        let mut counts = Vec::new();
+        let (mut counts, mut shown) = (Vec::new(), Vec::new());
         for (case, options) in group.work.options.iter().enumerate() {
             if ![1, 2, 10].contains(&options.n) {
                 continue;
@@ -26,10 +27,16 @@ fn every_number_of_cells_draws_from_the_same_tiles_and_shows_what_it_should() {
             assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
             assert!(session.time(case).is_ok());
             counts.push(figure(&verdict, "globe_tile_count"));
-            let is_each = options.drawing == Drawing::DrawEach;
-            assert_eq!(group.cases[case].samples, if is_each { 3 } else { 5 });
+            shown.push(figure(&verdict, "globe_tile_px"));
         }
         assert!(counts.len() == 6 && counts.iter().all(|count| *count == counts[0]));
+        assert!(shown.iter().all(|px| *px == 120.0 * 120.0), "{shown:?}");
+        // Negative control: a limb moves with N.
+        let group = planned(&tiled_view("globe"), (120, 1), &opened);
+        let mut session = group.open(context).expect("opens");
+        let verdict = on_device::verdict(&mut *session, 0, &group.work.options[0]);
+        assert_eq!(verdict.status, Status::Wrong);
+        assert!(verdict.reason.contains("no surface"), "{}", verdict.reason);
     });
 }
 
@@ -56,19 +63,22 @@ fn chosen_tiles_are_drawn_and_a_frame_chooses_the_same_again() {
 /// Findings and blocks on frames of 10 ms that grow by `us` a triangle, in `processes`.
 fn section(us: f64, processes: usize) -> (Vec<Finding>, Vec<Block>) {
     let opened = Rc::new(Opened::new(&[&ScreenGridKind]));
-    let group = planned(&tiled_view("globe"), (8, 1), &opened);
+    let group = planned(&tiled_view("tilted-100km"), (8, 1), &opened);
     let mut run = MadeUpRun::default();
     for case in &group.cases {
         let n: f64 = case.id.condition("n").parse().expect("a number");
         // A ripple, so that a line leaves something over.
-        let ms = 10.0 + 1e-3 * us * 2.0 * n * n + 0.001 * (n % 2.0);
+        // Some triangles are split.
+        let triangles = 2.0 * n * n + 4.0;
+        let ms = 10.0 + 1e-3 * us * triangles + 0.001 * (n % 2.0);
         let metric = whole(Clock::ProcessCpu);
         if n == 1.0 {
             run.case(case.id.repeat())
                 .timed(metric, &vec![1.001 * ms; processes]);
         }
-        run.case(case.id.clone())
-            .timed(metric, &vec![ms; processes]);
+        let case = run.case(case.id.clone());
+        case.timed(metric, &vec![ms; processes]);
+        case.figure(GLOBE_TRIANGLES, triangles);
     }
     let run = run.loaded();
     let blocks = SECTION
@@ -95,7 +105,11 @@ fn a_trend_is_told_from_none_and_the_published_times_stand_beside() {
     assert_eq!(standing(10.0, 1), Standing::CannotTell);
     let (findings, blocks) = section(10.0, 5);
     let words = &findings[0].because;
-    assert!(words.contains("globe: 10.0 µs a triangle"), "{words}");
+    // Slope and ratio have the same processes, and the ends are what was drawn.
+    assert!(
+        words.contains("tilted-100km: 10.0 [10.0–10.0] µs a triangle, so 1.20 × [1.20–1.20] from 6 triangles to 204"),
+        "{words}"
+    );
     assert!(
         words.contains("1.40 µs a triangle (-0.725 … 3.52), p = 0.167"),
         "{words}"
@@ -104,5 +118,5 @@ fn a_trend_is_told_from_none_and_the_published_times_stand_beside() {
         Block::Plot(plot) => Some(&plot.svg),
         _ => None,
     });
-    assert!(plot.is_some_and(|svg| svg.contains("published") && svg.contains("globe")));
+    assert!(plot.is_some_and(|svg| svg.contains("published") && svg.contains("tilted-100km")));
 }

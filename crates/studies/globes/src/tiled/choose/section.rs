@@ -2,26 +2,27 @@
 //! The section on tiles chosen in each frame.
 
 use super::PART;
-use crate::clock::{DRAW, FRAME};
+use crate::clock::{DRAW, FRAME, MAKE};
 use crate::metrics::{self, *};
+use crate::tiled::section::{MISSING, WRONG};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Tiles chosen in each frame",
     text: "A frame makes the grid, chooses tiles, sends and draws. The rule of StuCoSReC 2018 is lost, so this one is \
-           ours: a triangle asks for every level from the coarsest to the finest of its three corners, and there for \
+           ours. A triangle asks for every level from the coarsest to the finest of its three corners, and there for \
            the tiles between them. A pixel within may be nearer to the eye than all corners, and then has no tile. \
-           Spare tiles are chosen and shown by no pixel. All are at hand: loading is not timed here.",
+           Spare tiles are chosen and shown by no pixel. The list of tiles is sent with the grid. All are at hand: loading is not timed here.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[("view", VIEW), ("N", CELLS)]),
     columns: &[
         Column::metric("tiles chosen", GLOBE_TILE_COUNT),
         Column::metric("spare", GLOBE_TILE_SPARE),
-        Column::metric("px without a tile", GLOBE_TILE_MISSING_PX),
-        Column::metric("wrong px", GLOBE_TILE_WRONG_PX),
+        MISSING,
+        WRONG,
         Column::metric("choose, CPU ms", GLOBE_CHOOSE_CPU_MS),
-        Column::metric("make, CPU ms", GLOBE_MAKE_CPU_MS),
+        MAKE,
         FRAME,
         DRAW,
     ],

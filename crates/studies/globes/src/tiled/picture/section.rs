@@ -4,6 +4,7 @@
 use super::PART;
 use crate::clock::DRAW;
 use crate::metrics::{self, *};
+use crate::tiled::section::COUNT;
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
@@ -24,7 +25,7 @@ pub(crate) const SECTION: Section<'static> = Section {
             GLOBE_TILE_COLOUR_OFF_MEDIAN,
         ),
         Column::metric("99 %", GLOBE_TILE_COLOUR_OFF_P99),
-        Column::metric("tiles", GLOBE_TILE_COUNT),
+        COUNT,
         DRAW,
     ],
     findings: &[same_colours],

@@ -2,8 +2,9 @@
 //! The section on who splits triangles across ±180°.
 
 use super::PART;
-use crate::clock::{DRAW, FRAME};
+use crate::clock::{DRAW, FRAME, MAKE};
 use crate::metrics::{self, *};
+use crate::tiled::section::{AT_SEAM, COUNT, LARGEST, MISSING, OFF_AT_SEAM};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
 
@@ -22,13 +23,13 @@ pub(crate) const SECTION: Section<'static> = Section {
         Column::metric("triangles sent", GLOBE_TRIANGLES),
         Column::metric("crossing", GLOBE_TILE_CROSSING),
         Column::metric("missed", GLOBE_TILE_MISSED).or("only the shader knows"),
-        Column::metric("px at the seam", GLOBE_TILE_SEAM_PX),
-        Column::metric("off by > ½ texel", GLOBE_TILE_SEAM_WRONG_PX),
-        Column::metric("texels, largest", GLOBE_TILE_TEXELS_MAX),
-        Column::metric("px without a tile", GLOBE_TILE_MISSING_PX),
-        Column::metric("tiles", GLOBE_TILE_COUNT),
+        AT_SEAM,
+        OFF_AT_SEAM,
+        LARGEST,
+        MISSING,
+        COUNT,
         FRAME,
-        Column::metric("make, CPU ms", GLOBE_MAKE_CPU_MS),
+        MAKE,
         DRAW,
     ],
     findings: &[same_pixels],
