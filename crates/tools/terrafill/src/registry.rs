@@ -68,6 +68,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         surfaces: SURFACES,
     },
     &terrafill_globes::GlobesStudy { surfaces: SURFACES },
+    &terrafill_decals::DecalsStudy,
     &terrafill_shadows::ShadowsStudy,
     &terrafill_balls::BallsStudy,
     &terrafill_pipelines::PipelinesStudy,

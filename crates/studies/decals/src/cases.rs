@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is drawn: data by extent and view, and how it is divided.
+
+use crate::divided::{Divided, Origin, Series, cells_by_formula};
+use crate::draws::Interface;
+use crate::metrics::{API, DEPTH, DIVISION, EXTENT, ORIGIN, PART, PATH, PROJECTION, SERIES, VIEW};
+use crate::place::{Data, RADIUS_M};
+use crate::view::{Eye, Projection};
+use glam::DVec2;
+use terrafill_results::ConditionKey;
+
+/// Middle of all data, degrees: the campus of the paper's own picture, in San Diego.
+const MIDDLE_DEG: [f64; 2] = [-117.237, 32.880];
+
+terrafill_results::named! {
+    /// How large data is.
+    all pub(crate) enum Extent {
+        Campus = "campus",
+        City = "city",
+        Country = "country",
+        Continent = "continent",
+    }
+}
+
+impl Extent {
+    /// Of latitude, or of a line; radians.
+    pub(crate) fn angle(self) -> f64 {
+        let degrees: f64 = match self {
+            Self::Campus => 0.04,
+            Self::City => 0.5,
+            Self::Country => 8.0,
+            Self::Continent => 40.0,
+        };
+        degrees.to_radians()
+    }
+}
+
+terrafill_results::named! {
+    /// From where data is seen.
+    pub(crate) enum Vantage {
+        Nadir = "nadir",
+        Oblique = "oblique",
+        Limb = "limb",
+        Close = "close",
+    }
+}
+
+/// Metres above the body of the near view.
+const CLOSE_M: f64 = 150.0;
+/// Height of the eye over the data's height on the ground.
+const HEIGHT_SHARE: f64 = 1.1;
+
+impl Vantage {
+    /// The eye: from south of the data's middle, at which it looks.
+    pub(crate) fn eye(self, extent: Extent, side: u32) -> Eye {
+        let middle = middle();
+        let angle = extent.angle();
+        let height_m = HEIGHT_SHARE * angle * RADIUS_M;
+        // How far the horizon is.
+        let horizon = |height_m: f64| (RADIUS_M / (RADIUS_M + height_m)).acos();
+        let (away, height_m) = match self {
+            Self::Nadir => (0.0, height_m),
+            // Nearly half of it beyond the middle, where the sphere still lets it be seen.
+            Self::Oblique => ((1.2 * angle).min(0.6 * horizon(height_m)), 0.7 * height_m),
+            Self::Limb => (0.85 * horizon(height_m), height_m),
+            Self::Close => (0.0, CLOSE_M),
+        };
+        Eye::new(middle, away, height_m, side)
+    }
+}
+
+fn middle() -> DVec2 {
+    DVec2::from(MIDDLE_DEG.map(f64::to_radians))
+}
+
+/// How data is divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Division {
+    /// So many cells along a side.
+    Fixed(u32),
+    /// By [`cells_by_formula`].
+    Formula,
+    /// By counted pixels.
+    Query,
+}
+
+impl Division {
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Fixed(cells) => cells.to_string(),
+            Self::Formula => "formula".to_owned(),
+            Self::Query => "query".to_owned(),
+        }
+    }
+}
+
+/// What lies on the body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Decal,
+    /// Along a great circle, or a parallel.
+    Line {
+        is_great_circle: bool,
+    },
+}
+
+/// A case.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Work {
+    pub(crate) part: Part,
+    pub(crate) extent: Extent,
+    pub(crate) from: Vantage,
+    pub(crate) projection: Projection,
+    pub(crate) division: Division,
+    pub(crate) origin: Origin,
+    pub(crate) series: Series,
+    pub(crate) is_tested: bool,
+    pub(crate) interface: Interface,
+}
+
+impl Work {
+    /// Conditions, in the order of its name.
+    pub(crate) fn conditions(&self) -> Vec<(ConditionKey, String)> {
+        let (part, path) = match self.part {
+            Part::Decal => ("decal", ""),
+            Part::Line { is_great_circle } => {
+                let path = if is_great_circle {
+                    "great-circle"
+                } else {
+                    "parallel"
+                };
+                ("line", path)
+            }
+        };
+        let depth = if self.is_tested { "tested" } else { "" };
+        let all = [
+            (PART, part),
+            (PATH, path),
+            (EXTENT, self.extent.name()),
+            (VIEW, self.from.name()),
+            (PROJECTION, self.projection.name()),
+            (DEPTH, depth),
+            (ORIGIN, self.origin.name()),
+            (SERIES, self.series.name()),
+            (API, self.interface.name()),
+        ];
+        let mut all: Vec<_> = all.map(|(key, value)| (key, value.to_owned())).into();
+        all.push((DIVISION, self.division.name()));
+        all
+    }
+
+    /// Its name: what its conditions say beyond the usual.
+    pub(crate) fn name(&self) -> String {
+        let usual = ["", "globe", "corner", "14", "wgpu"];
+        let all = self.conditions();
+        let values = all.iter().map(|(_, value)| value.as_str());
+        let values: Vec<&str> = values.filter(|value| !usual.contains(value)).collect();
+        values.join("/")
+    }
+
+    pub(crate) fn data(&self) -> Data {
+        let angle = self.extent.angle();
+        match self.part {
+            Part::Decal => Data::square(middle(), angle),
+            Part::Line { is_great_circle } => Data::line(middle(), angle, is_great_circle),
+        }
+    }
+
+    pub(crate) fn eye(&self, side: u32) -> Eye {
+        Eye {
+            projection: self.projection,
+            ..self.from.eye(self.extent, side)
+        }
+    }
+
+    /// What is drawn, where its division is known before.
+    ///
+    /// - `cells`: those that counting found
+    pub(crate) fn divided(&self, side: u32, cells: Option<u32>) -> Divided {
+        let (data, eye) = (self.data(), self.eye(side));
+        let cells = cells.unwrap_or_else(|| match self.division {
+            Division::Fixed(cells) => cells,
+            Division::Formula => cells_by_formula(&eye, &data),
+            Division::Query => 1,
+        });
+        Divided {
+            data,
+            eye,
+            cells,
+            origin: self.origin,
+            series: self.series,
+            is_tested: self.is_tested,
+        }
+    }
+}
+
+const USUAL: Work = Work {
+    part: Part::Decal,
+    extent: Extent::Country,
+    from: Vantage::Nadir,
+    projection: Projection::Globe,
+    division: Division::Fixed(10),
+    origin: Origin::Corner,
+    series: Series::Full,
+    is_tested: false,
+    interface: Interface::Wgpu,
+};
+
+/// Every way to divide what is drawn like this; counted on Vulkan, whose queries count.
+fn divisions(work: Work) -> [Work; 4] {
+    let known = [Division::Fixed(1), Division::Fixed(10), Division::Formula];
+    let of = |division| Work { division, ..work };
+    let query = Work {
+        interface: Interface::Vulkan,
+        ..of(Division::Query)
+    };
+    let [one, ten, formula] = known.map(of);
+    [one, ten, formula, query]
+}
+
+/// Cases in groups that share what is drawn and from where.
+///
+/// - `is_full`: with all of Vulkan's
+pub(crate) fn groups(is_quick: bool, is_full: bool) -> Vec<Vec<Work>> {
+    let mut groups = Vec::new();
+    for extent in Extent::ALL {
+        let mut views = vec![Vantage::Nadir, Vantage::Oblique];
+        match extent {
+            Extent::Campus => views.push(Vantage::Close),
+            Extent::City => {}
+            Extent::Country | Extent::Continent => views.push(Vantage::Limb),
+        }
+        for from in views {
+            let work = Work {
+                extent,
+                from,
+                ..USUAL
+            };
+            let mut works = divisions(work).to_vec();
+            works.push(Work {
+                origin: Origin::Centre,
+                ..work
+            });
+            if matches!(extent, Extent::Campus | Extent::City) {
+                let low = [Series::First, Series::Second];
+                works.extend(low.map(|series| Work { series, ..work }));
+            } else if from != Vantage::Limb {
+                let tested = Work {
+                    is_tested: true,
+                    ..work
+                };
+                works.extend(divisions(tested));
+            }
+            if is_full {
+                works.extend(on_vulkan(&works));
+            }
+            groups.push(works);
+        }
+    }
+    for projection in [Projection::Flat, Projection::Hyperbolic, Projection::Dome] {
+        let work = Work {
+            extent: Extent::Continent,
+            projection,
+            ..USUAL
+        };
+        groups.push(divisions(work).into());
+    }
+    for (extent, is_great_circle) in [
+        (Extent::Country, true),
+        (Extent::Continent, true),
+        (Extent::Continent, false),
+    ] {
+        for from in [Vantage::Nadir, Vantage::Oblique] {
+            let work = Work {
+                part: Part::Line { is_great_circle },
+                extent,
+                from,
+                ..USUAL
+            };
+            let tested = Work {
+                is_tested: true,
+                ..work
+            };
+            groups.push([divisions(work), divisions(tested)].concat());
+        }
+    }
+    let line = Work {
+        part: Part::Line {
+            is_great_circle: false,
+        },
+        extent: Extent::Continent,
+        // A line through the focus stays straight.
+        from: Vantage::Oblique,
+        projection: Projection::Hyperbolic,
+        ..USUAL
+    };
+    groups.push(divisions(line).into());
+    if is_quick {
+        groups.retain(|works| works[0].is_quick());
+    }
+    groups
+}
+
+impl Work {
+    /// One view of each question.
+    fn is_quick(&self) -> bool {
+        let is_line = self.part != Part::Decal;
+        match (self.extent, self.from) {
+            (Extent::Campus, Vantage::Close) => true,
+            (Extent::Continent, Vantage::Oblique) => {
+                is_line || self.projection == Projection::Globe
+            }
+            (Extent::Continent, Vantage::Nadir) => self.projection == Projection::Hyperbolic,
+            _ => false,
+        }
+    }
+}
+
+/// The same on Vulkan, of those that are not.
+fn on_vulkan(works: &[Work]) -> Vec<Work> {
+    let own = works
+        .iter()
+        .filter(|work| work.interface == Interface::Wgpu);
+    // Vertices about the centre are judged by where the device has them, which wgpu reads back.
+    let own = own.filter(|work| work.origin == Origin::Corner);
+    let of = |work: &Work| Work {
+        interface: Interface::Vulkan,
+        ..*work
+    };
+    own.map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_case_has_a_name_of_its_own() {
+        let names: Vec<String> = groups(false, true)
+            .concat()
+            .iter()
+            .map(Work::name)
+            .collect();
+        let distinct: BTreeSet<&String> = names.iter().collect();
+        assert_eq!(distinct.len(), names.len());
+        assert!(
+            names.contains(&"decal/continent/nadir/10".to_owned()),
+            "{names:?}"
+        );
+        assert!(groups(true, false).len() < groups(false, false).len());
+    }
+
+    #[test]
+    fn all_data_is_seen_in_its_views() {
+        for works in groups(false, false) {
+            let divided = works[0].divided(256, None);
+            let (eye, data) = (divided.eye, divided.data);
+            let share = DVec2::splat(0.5);
+            let at = eye.pixel(eye.clip(data.direction(share) * RADIUS_M, data.angles(share)));
+            let off = (at - DVec2::splat(128.0)).length();
+            let is_map = divided.eye.projection != Projection::Globe;
+            assert!(off < 1e-6 || is_map, "{}: {at}", works[0].name());
+        }
+    }
+}

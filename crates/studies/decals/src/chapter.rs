@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter on data on a globe: sections as data, and what its figures say.
+
+use crate::divided::FINE_PX;
+use crate::metrics::*;
+use terrafill_lab::{
+    Cases, ClaimedTime, Column, Drawing, Figure, Names, Panel, Section, SectionedChapter, Select,
+    StudyClaims, finding,
+};
+use terrafill_plot::Upwards;
+use terrafill_plot::number::significant;
+use terrafill_results::{Answers, Case, Finding, Scope};
+
+/// Times.
+const TIME: Figure = Figure::ByClock(DECAL_GPU_MS, DECAL_CPU_MS);
+
+/// What Gebbie and Bailey claim of decals and lines.
+pub(crate) const CLAIMS: StudyClaims = StudyClaims {
+    study: crate::STUDY,
+    title: "The claims of Gebbie and Bailey on decals and lines",
+    file: [
+        "papers/gebbie-bailey.toml",
+        include_str!("../../../../papers/gebbie-bailey.toml"),
+    ],
+    times: &[ClaimedTime {
+        name: "draw",
+        by: [DECAL_GPU_MS, DECAL_CPU_MS],
+        needs: Scope::DRAW,
+    }],
+    metrics: &METRICS,
+    findings: |_| Vec::new(),
+    page: [""; 2],
+};
+
+/// Data on a globe.
+pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
+    study: crate::STUDY,
+    title: "Decals and lines on a globe",
+    question: "How finely must data on a globe be divided, and which error is left?",
+    text: "Gebbie and Bailey lay pictures of data over a globe as decals: a quad at the limits of longitude and \
+           latitude, divided into cells since projections bend it, about its own lower left corner since f32 is too \
+           coarse from the body's centre. The vertex stage projects; a fragment is one look-up. Lines are divided \
+           likewise. The body is a sphere, all data lies about the paper's campus. Texels say their own address, so that \
+           each pixel of a device says which place of the data it shows. In f64 every picture is held against its \
+           triangles as drawn, which must agree outside of the band of 1/32 pixel, and against the exact projection: a \
+           pixel's ray meets the body, and the place there has an address. Depth is not tested, as in the paper, unless a \
+           section says so; what lies beyond the horizon is left out. The paper names the rule of counted pixels, and no \
+           formula: ours bounds what linear interpolation is off by an eighth of the second derivative over an edge.",
+    terms: TERMS,
+    primary: TIME,
+    answers,
+    sections: &[DIVIDED, ORIGINS, ORDERS, MAPS, LINES, TESTED],
+    claims: Some(&CLAIMS),
+};
+
+/// Sections on the globe without its depth, of vertices about the corner by the full series.
+fn is_plain(case: &Case, part: &str) -> bool {
+    case.condition(PART) == part
+        && case.condition(DEPTH).is_empty()
+        && case.condition(ORIGIN) == "corner"
+        && case.condition(SERIES) == "14"
+}
+
+const DIVIDED: Section<'static> = Section {
+    title: "Decals by how finely they are divided",
+    text: "A fixed number of cells along a side, 1 and the paper's 10; as many as the formula says; or twice as many in each \
+           frame, until precise occlusion queries of Vulkan count no more pixels, which is the paper's own rule.",
+    cases: Select::Fitting(|case| is_plain(case, "decal") && case.condition(PROJECTION) == "globe"),
+    named_by: Names::Columns(&[
+        ("extent", EXTENT),
+        ("view", VIEW),
+        ("division", DIVISION),
+        ("interface", API),
+    ]),
+    columns: &[
+        Column::metric("cells", DECAL_CELLS),
+        Column::metric("triangles", DECAL_TRIANGLES),
+        Column::metric("sent once", DECAL_SENT_BYTES),
+        Column::metric("sent a frame", DECAL_FRAME_BYTES),
+        Column::of("draw, {unit}", TIME),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("median", DECAL_PX_MEDIAN),
+        Column::metric("extra px", DECAL_EXTRA_PX),
+        Column::metric("missing px", DECAL_MISSING_PX),
+        Column::metric("px in the band", DECAL_BAND_PX),
+        Column::metric("frames", DECAL_FRAMES),
+        Column::metric("counted, px", DECAL_COUNTED_PX),
+    ],
+    is_main: true,
+    drawing: Some(Drawing {
+        caption: "Error against triangles: a curve for each extent and view. A point to the left of ten cells whose error is \
+                  below a quarter of a pixel says that ten were too many.",
+        panels: &[Panel {
+            across: ("triangles", Figure::Metric(DECAL_TRIANGLES)),
+            up: ("largest error, px", Figure::Metric(DECAL_PX_MAX)),
+            upwards: Upwards::Error,
+            curve: Names::Joined(&[EXTENT, VIEW]),
+            knob: Figure::Metric(DECAL_CELLS),
+            label: Some(Names::Joined(&[DIVISION])),
+            ..Panel::EMPTY
+        }],
+    }),
+    findings: &[formula_is_fine, ten_are_not_always, counts_may_stop_early],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+/// The largest error by a rule, with where it is.
+fn worst<'a>(cases: &Cases<'a>, division: &str) -> Option<(&'a Case, f64)> {
+    let own = cases.with(&[(DIVISION, division)]);
+    let all = own
+        .iter()
+        .filter_map(|case| Some((case, case.value(DECAL_PX_MAX)?)));
+    all.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+fn said((case, px): (&Case, f64)) -> String {
+    format!("{} px at most, in {}", significant(px), case.id().name)
+}
+
+fn formula_is_fine(cases: &Cases<'_>) -> Finding {
+    let found = worst(cases, "formula");
+    finding(
+        "By the formula no pixel is off by more than a quarter of a pixel",
+        found.map(|(_, px)| px <= FINE_PX),
+        found.map_or_else(String::new, said),
+    )
+}
+
+fn ten_are_not_always(cases: &Cases<'_>) -> Finding {
+    let found = worst(cases, "10");
+    finding(
+        "Gebbie & Bailey: 10 × 10 cells work without problems, up to a whole continent",
+        found.map(|(_, px)| px <= 1.0),
+        found.map_or_else(String::new, said),
+    )
+}
+
+fn counts_may_stop_early(cases: &Cases<'_>) -> Finding {
+    let found = worst(cases, "query");
+    finding(
+        "Gebbie & Bailey: where counted pixels increase no more, it is divided finely enough",
+        found.map(|(_, px)| px <= 1.0),
+        found.map_or_else(String::new, said),
+    )
+}
+
+const ORIGINS: Section<'static> = Section {
+    title: "Vertices about the corner and about the centre",
+    text: "The same 10 × 10 cells by the same series, their vertices as offsets from the corner, or as longitude and latitude \
+           with places from the body's centre, in f32 throughout. Vertices of the latter are read back, so that their \
+           pictures can be held against the triangles that the device had.",
+    cases: Select::Fitting(|case| {
+        case.condition(PART) == "decal"
+            && case.condition(DEPTH).is_empty()
+            && case.condition(SERIES) == "14"
+            && case.condition(DIVISION) == "10"
+            && case.condition(PROJECTION) == "globe"
+            && case.condition(API) == "wgpu"
+    }),
+    named_by: Names::Columns(&[("extent", EXTENT), ("view", VIEW), ("origin", ORIGIN)]),
+    columns: &[
+        Column::metric("vertices off, px", DECAL_VERTEX_PX),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("median", DECAL_PX_MEDIAN),
+        Column::of("draw, {unit}", TIME),
+    ],
+    findings: &[corner_is_finer],
+    ..Section::EMPTY
+};
+
+fn corner_is_finer(cases: &Cases<'_>) -> Finding {
+    let pairs = cases.pairs(ORIGIN, ["centre", "corner"], &[]);
+    let pairs = pairs.iter().filter_map(|pair| {
+        let [centre, corner] = pair.map(|case| case.value(DECAL_PX_MEDIAN));
+        Some((pair[0], centre? / corner?))
+    });
+    let nearest = pairs.max_by(|a, b| a.1.total_cmp(&b.1));
+    finding(
+        "Vertices about the corner are more exact where the eye is near",
+        nearest.map(|(_, ratio)| ratio > 2.0),
+        nearest.map_or_else(String::new, |(case, ratio)| {
+            let view = format!("{}, {}", case.condition(EXTENT), case.condition(VIEW));
+            let ratio = significant(ratio);
+            format!("In {view} half of the pixels are off by {ratio} × as much about the centre.")
+        }),
+    )
+}
+
+const ORDERS: Section<'static> = Section {
+    title: "Low orders of sine and cosine",
+    text: "About the corner angles are small, so that the paper takes first or second order. Here 10 × 10 cells have sines \
+           and cosines of first, second and fourteenth order. The order bends places, not edges: no division mends it.",
+    cases: Select::Fitting(|case| {
+        case.condition(PART) == "decal"
+            && case.condition(DEPTH).is_empty()
+            && case.condition(ORIGIN) == "corner"
+            && case.condition(DIVISION) == "10"
+            && ["campus", "city"].contains(&case.condition(EXTENT))
+            && case.condition(API) == "wgpu"
+    }),
+    named_by: Names::Columns(&[("extent", EXTENT), ("view", VIEW), ("order", SERIES)]),
+    columns: &[
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("median", DECAL_PX_MEDIAN),
+    ],
+    findings: &[second_order_is_enough],
+    ..Section::EMPTY
+};
+
+fn second_order_is_enough(cases: &Cases<'_>) -> Finding {
+    let of = |order| cases.with(&[(SERIES, order)]).greatest(DECAL_PX_MAX);
+    let pair = of("1").zip(of("2"));
+    finding(
+        "Second order is enough for a campus and a city, and first order is not",
+        pair.map(|(first, second)| second <= FINE_PX && first > FINE_PX),
+        pair.map_or_else(String::new, |(first, second)| {
+            let [first, second] = [first, second].map(significant);
+            format!("{first} px at most by first order, {second} by second.")
+        }),
+    )
+}
+
+const MAPS: Section<'static> = Section {
+    title: "Decals in other projections",
+    text: "A continent's decal on a flat map, a hyperbolic one and a dome, whose vertices the same shader places. The \
+           formula takes second derivatives of the map itself.",
+    cases: Select::Fitting(|case| {
+        case.condition(PART) == "decal" && case.condition(PROJECTION) != "globe"
+    }),
+    named_by: Names::Columns(&[("projection", PROJECTION), ("division", DIVISION)]),
+    columns: &[
+        Column::metric("cells", DECAL_CELLS),
+        Column::of("draw, {unit}", TIME),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("missing px", DECAL_MISSING_PX),
+        Column::metric("frames", DECAL_FRAMES),
+    ],
+    findings: &[formula_is_fine],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+const LINES: Section<'static> = Section {
+    title: "Lines",
+    text: "Two pixels wide, along a great circle or a parallel, as one segment, ten, or by the rules. The error of a pixel is \
+           its distance from the edge of the exact line.",
+    cases: Select::Fitting(|case| is_plain(case, "line")),
+    named_by: Names::Columns(&[
+        ("path", PATH),
+        ("extent", EXTENT),
+        ("view", VIEW),
+        ("projection", PROJECTION),
+        ("division", DIVISION),
+    ]),
+    columns: &[
+        Column::metric("segments", DECAL_CELLS),
+        Column::metric("sent once", DECAL_SENT_BYTES),
+        Column::of("draw, {unit}", TIME),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("median", DECAL_PX_MEDIAN),
+        Column::metric("frames", DECAL_FRAMES),
+    ],
+    findings: &[formula_is_fine, counts_may_stop_early],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+const TESTED: Section<'static> = Section {
+    title: "What the body's depth hides",
+    text: "The same behind the depth of the body itself, which fragments compute by rays. Data is lifted by a quarter of a \
+           pixel at its nearest place, which is what edges by the formula may sag, and lines by half of their width as well, \
+           since half of a line lies nearer to the eye. What is hidden all the same cuts through the body.",
+    cases: Select::With(DEPTH, "tested"),
+    named_by: Names::Columns(&[
+        ("data", PART),
+        ("path", PATH),
+        ("extent", EXTENT),
+        ("view", VIEW),
+        ("division", DIVISION),
+    ]),
+    columns: &[
+        Column::metric("cells", DECAL_CELLS),
+        Column::metric("hidden", DECAL_HIDDEN_SHARE),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::of("draw, {unit}", TIME),
+        Column::metric("frames", DECAL_FRAMES),
+        Column::metric("counted, px", DECAL_COUNTED_PX),
+    ],
+    findings: &[formula_is_seen, one_is_hidden],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+/// Of what is seen at all, what its own edges may hide of themselves.
+const HIDDEN_SHARE: f64 = 0.01;
+
+fn formula_is_seen(cases: &Cases<'_>) -> Finding {
+    let most = cases
+        .with(&[(DIVISION, "formula")])
+        .greatest(DECAL_HIDDEN_SHARE);
+    finding(
+        "Divided by the formula, data stays before the body",
+        most.map(|most| most <= HIDDEN_SHARE),
+        most.map_or_else(String::new, |most| {
+            format!(
+                "{} % of the pixels are hidden at most.",
+                significant(100.0 * most)
+            )
+        }),
+    )
+}
+
+fn one_is_hidden(cases: &Cases<'_>) -> Finding {
+    let least = cases.with(&[(DIVISION, "1")]).least(DECAL_HIDDEN_SHARE);
+    finding(
+        "Undivided, data from a country on almost disappears in the body",
+        least.map(|least| least >= 0.9),
+        least.map_or_else(String::new, |least| {
+            format!(
+                "{} % of the pixels are hidden at least.",
+                significant(100.0 * least)
+            )
+        }),
+    )
+}
+
+fn answers(cases: &Cases<'_>) -> Answers {
+    let wrong: Vec<f64> = cases.values(DECAL_MISMATCHED_PX);
+    let miscounted = cases.fitting(|case| case.condition(PART) == "decal");
+    let miscounted = miscounted.fitting(|case| case.condition(VIEW) != "limb");
+    let miscounted = miscounted.values(DECAL_MISCOUNTED_PX);
+    let none = |claim: &str, of: &[f64], what: &str| {
+        let most = of.iter().copied().max_by(f64::total_cmp);
+        let because = most.map(|most| format!("at most {most} {what} in {} pictures", of.len()));
+        finding(
+            claim,
+            most.map(|most| most <= 0.0),
+            because.unwrap_or_default(),
+        )
+    };
+    Answers {
+        requirements: vec![
+            none(
+                "No pixel shows another texel than the triangles as drawn allow",
+                &wrong,
+                "pixels",
+            ),
+            none(
+                "Counted pixels of decals are those of the picture",
+                &miscounted,
+                "pixels",
+            ),
+            formula_is_fine(
+                &cases.fitting(|case| is_plain(case, "decal") || is_plain(case, "line")),
+            ),
+        ],
+        ..Answers::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DecalsStudy;
+    use terrafill_fixtures::data;
+    use terrafill_lab::REFUSED;
+    use terrafill_results::Standing;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_study::{Request, Study as _};
+
+    #[test]
+    fn every_claim_is_tested_by_cases_that_are_planned() {
+        let planned = DecalsStudy.plan(&Request::default()).expect("a plan");
+        let of_plan = |is_planned: fn(&str) -> bool| {
+            let mut run = MadeUpRun::default();
+            let cases = planned.groups.iter().flat_map(|group| group.cases());
+            for case in cases.filter(|case| is_planned(&case.id.key())) {
+                run.case(case.id.clone());
+            }
+            let run = run.loaded();
+            let cases = Cases::of_study(&run, crate::STUDY);
+            // No two cases that a claim compares differ in anything beside.
+            let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
+            assert!(!page.contains(REFUSED), "{page}");
+            CLAIMS.untestable(&cases).expect("a paper")
+        };
+        assert_eq!(of_plan(|_| true), [""; 0]);
+        // Negative control: a plan without lines.
+        let without = of_plan(|key| !key.contains("line"));
+        assert_eq!(without.len(), 3, "{without:?}");
+    }
+
+    #[test]
+    #[ignore = "needs data: papers"]
+    fn quotations_are_words_of_the_paper() {
+        // As plain text, beside the data folder.
+        let paper = CLAIMS.paper().expect("a paper");
+        let path = format!("../papers/{}.txt", paper.document);
+        let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
+        assert_eq!(paper.misquoted(&document), [""; 0]);
+        // Negative control: one word.
+        let wrong = paper.misquoted(&document.replace("cut through the Earth", "cut the Earth"));
+        assert_eq!(wrong.len(), 1, "{wrong:?}");
+    }
+
+    #[test]
+    fn errors_above_their_bounds_are_said() {
+        let standings = |px: f64, hidden: f64| {
+            let mut run = MadeUpRun::default();
+            for division in ["1", "10", "formula", "query"] {
+                for depth in ["", "tested"] {
+                    let name = format!("{division}{depth}");
+                    let conditions = [
+                        ("part", "decal"),
+                        ("division", division),
+                        ("depth", depth),
+                        ("origin", "corner"),
+                        ("series", "14"),
+                        ("projection", "globe"),
+                    ];
+                    let case = run.case(case_id(crate::STUDY, &name, &conditions));
+                    case.figure(DECAL_PX_MAX.name, px);
+                    case.figure(DECAL_MISMATCHED_PX.name, px.floor());
+                    case.figure(DECAL_HIDDEN_SHARE.name, hidden);
+                }
+            }
+            let run = run.loaded();
+            let cases = Cases::of_study(&run, crate::STUDY);
+            let of = |findings: Vec<Finding>| findings.into_iter().map(|of| of.standing);
+            let all = of(DIVIDED.found(&cases)).chain(of(TESTED.found(&cases)));
+            let mut all: Vec<Standing> = all.collect();
+            all.push(answers(&cases).requirements[0].standing);
+            all
+        };
+        use Standing::{DoesNotHold, Holds};
+        assert_eq!(
+            standings(0.1, 0.0),
+            [Holds, Holds, Holds, Holds, DoesNotHold, Holds]
+        );
+        // Negative control.
+        let others = [
+            DoesNotHold,
+            DoesNotHold,
+            DoesNotHold,
+            DoesNotHold,
+            Holds,
+            DoesNotHold,
+        ];
+        assert_eq!(standings(1.5, 0.95), others);
+    }
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Conditions of the study's cases, and what it measures of them.
+
+use terrafill_results::{Kind, Metric, Primary, Scope};
+
+terrafill_results::conditions! {
+    shared API, PART, SIZE_PX, VIEW;
+    DEPTH = "depth", "whether data is drawn behind the depth of the body itself, a little lifted";
+    DIVISION = "division", "cells along a side, or segments: a number, or the rule that finds it";
+    EXTENT = "extent", "how large the data is";
+    ORIGIN = "origin", "what vertices are about: the data's corner, or the body's centre";
+    PATH = "path", "how a line runs";
+    PROJECTION = "projection", "how the body is put on the picture";
+    SERIES = "series", "order of the series that stand for sine and cosine";
+    "formula" = "as many cells as keep edges within a quarter of a pixel, by a bound of the second derivative";
+    "query" = "twice as many in each frame, until precise occlusion queries count no more pixels";
+    "campus" = "0.04° of latitude: some 4.4 km, as published";
+    "city" = "0.5° of latitude";
+    "country" = "8° of latitude";
+    "continent" = "40° of latitude";
+    "nadir" = "from straight above its middle";
+    "oblique" = "from the south, at an angle";
+    "limb" = "so far from the south that it ends beyond the horizon, or near it";
+    "close" = "from 150 m above its middle";
+    "corner" = "the data's lower left corner, or its start";
+    "centre" = "the body's centre: longitude and latitude themselves";
+    "tested" = "behind the depth of the body itself";
+    "globe" = "in perspective";
+    "flat" = "longitude and latitude";
+    "hyperbolic" = "longitude and latitude about the place below the eye, drawn in towards a rim";
+    "dome" = "by the angle from straight ahead, of half a turn";
+    "great-circle" = "the shortest way";
+    "parallel" = "along a parallel: a rhumb line, straight in longitude and latitude";
+    "decal" = "a picture of data over a part of the body, alone where it is";
+    "line" = "a line over the body, two pixels wide";
+    "cells" = "quads of two triangles, as many a side; segments of a line";
+    "hidden" = "share of its pixels that the body's depth hides";
+    "extra" = "pixels that show data where the exact projection has none";
+    "missing" = "pixels that show none where the exact projection has data";
+    "counted" = "samples that a precise query counts";
+}
+
+terrafill_results::metrics! {
+    DECAL_CPU_MS = Metric::time_ms(
+        "decal_cpu_ms",
+        "Process CPU time of a frame: sending constants, recording, drawing, and waiting for the device.",
+    ).covering(Scope::FRAME).ranking(Primary::Cpu);
+    DECAL_WALL_MS = Metric::time_ms("decal_wall_ms", "Wall clock over the same span.").covering(Scope::FRAME);
+    DECAL_GPU_MS = Metric::time_ms("decal_gpu_ms", "GPU time of the pass that draws the data.")
+        .covering(Scope::DEVICE)
+        .ranking(Primary::Gpu);
+    DECAL_MISMATCHED_PX = Metric::error_px(
+        "decal_mismatched_px",
+        "Pixels that show another texel, or part of a line, than the triangles as drawn allow in f64, outside of the band \
+         of 1/32 pixel.",
+    );
+    DECAL_BAND_PX = Metric::neither(
+        "decal_band_px",
+        "px",
+        Kind::Error,
+        "Pixels that differ from what f64 finds at their centre, and show what lies within 1/32 pixel of it.",
+    );
+    DECAL_SHOWN_PX = Metric::neither("decal_shown_px", "px", Kind::DriverCounter, "Pixels that show the data.");
+    DECAL_PX_MAX = Metric::error_px(
+        "decal_px_max",
+        "From a pixel's centre to where what it shows belongs: by a decal's address and the exact projection, or to the \
+         edge of the exact line; largest.",
+    )
+    .or("nothing of it is seen");
+    DECAL_PX_P99 = Metric::error_px("decal_px_p99", "The same, 99 % of the pixels.").or("nothing of it is seen");
+    DECAL_PX_MEDIAN = Metric::error_px("decal_px_median", "The same, median of the pixels.").or("nothing of it is seen");
+    DECAL_EXTRA_PX = Metric::error_px(
+        "decal_extra_px",
+        "Pixels that show the decal where the exact projection has none of it.",
+    )
+    .or("of lines their distance says it");
+    DECAL_MISSING_PX = Metric::error_px(
+        "decal_missing_px",
+        "Pixels that show none of the decal where the exact projection has it.",
+    )
+    .or("of lines their distance says it");
+    DECAL_VERTEX_PX = Metric::error_px(
+        "decal_vertex_px",
+        "Of vertices in the picture, largest distance from f64 of where the device's arithmetic places them.",
+    )
+    .or("vertices are read back where their origin is compared");
+    DECAL_HIDDEN_SHARE = Metric::error(
+        "decal_hidden_share",
+        "",
+        "Share of the data's pixels that the body's depth hides, though the data lies on the body and is lifted by a \
+         quarter of a pixel, a line by half of its width as well.",
+    )
+    .or("depth is not tested");
+    DECAL_CELLS = Metric::counter("decal_cells", "Cells along a side of the decal, or segments of the line.");
+    DECAL_TRIANGLES = Metric::counter("decal_triangles", "Triangles of the data.");
+    DECAL_SENT_BYTES = Metric::bytes("decal_sent_bytes", "Bytes of vertices that are sent once.");
+    DECAL_FRAME_BYTES = Metric::bytes("decal_frame_bytes", "Bytes of constants that are sent in each frame.");
+    DECAL_FRAMES = Metric::counter("decal_frames", "Frames until counted pixels stop the division.")
+        .or("the number of cells is known before");
+    DECAL_COUNTED_PX = Metric::neither(
+        "decal_counted_px",
+        "px",
+        Kind::DriverCounter,
+        "Samples of the data that a precise occlusion query counts in the last of these frames.",
+    )
+    .or("nothing is counted");
+    DECAL_MISCOUNTED_PX = Metric::error_px(
+        "decal_miscounted_px",
+        "Difference of that number from the pixels that show the data.",
+    )
+    .or("nothing is counted");
+}

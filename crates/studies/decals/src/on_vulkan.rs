@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Data drawn on Vulkan itself, whose queries say how many samples they counted.
+
+use crate::divided::{DecalConstants, Divided, TEXELS};
+use crate::draws::{Draws, addresses, ranges, shader};
+use std::ops::Range;
+use std::sync::Arc;
+use terrafill_contract::{DeviceError, Picture};
+use terrafill_scene::ImageSize;
+use terrafill_stencil::{RouteTexelFormat, RouteTexels};
+use terrafill_vulkan::{
+    Buffer, BufferUse, DirectDraw, DirectReport, DrawCall, DrawPipeline, Gpu, Measured,
+    PrimitiveStages, RenderTargets, Resource, Resources, SampledImage, Shader, Topology,
+    VertexFormat,
+};
+
+pub(crate) struct OnVulkan {
+    gpu: Arc<Gpu>,
+    targets: RenderTargets,
+    pipeline: DrawPipeline,
+    vertices: Buffer,
+    constants: Arc<Buffer>,
+    sent: DecalConstants,
+    ranges: Vec<Range<u32>>,
+}
+
+impl OnVulkan {
+    pub(crate) fn new(gpu: &Arc<Gpu>, divided: &Divided) -> Result<Self, DeviceError> {
+        let bytes = size_of::<DecalConstants>() as u64;
+        let constants = Buffer::streamed(gpu, "decal constants", bytes, BufferUse::Uniform)?;
+        let constants = Arc::new(constants);
+        let texels = RouteTexels {
+            format: RouteTexelFormat::R32Float,
+            is_filtered: false,
+            size: [TEXELS; 2],
+            is_cube: false,
+            bytes: bytemuck::cast_slice(&addresses()).to_vec(),
+        };
+        let texels = Arc::new(SampledImage::route(gpu, &texels)?);
+        let resources = vec![
+            Resource::Uniform(Arc::clone(&constants)),
+            Resource::Image(texels),
+        ];
+        let resources = Resources::new(gpu, resources)?;
+        let shader = |entry_point| Shader::Wgsl {
+            path: shader(divided),
+            entry_point,
+        };
+        let stages = PrimitiveStages::Vertices {
+            vertex: shader("vertex_main"),
+            geometry: None,
+            format: VertexFormat::Metres,
+            topology: Topology::Triangles,
+        };
+        let vertices = divided.vertices();
+        let bytes = bytemuck::cast_slice(&vertices);
+        let side = divided.eye.side;
+        Ok(Self {
+            targets: RenderTargets::new(gpu, ImageSize::new(side, side))?,
+            pipeline: DrawPipeline::new(gpu, &resources, stages, shader("fragment_main"))?,
+            vertices: Buffer::upload(gpu, "decal", bytes, BufferUse::Vertex)?,
+            constants,
+            sent: divided.constants(),
+            ranges: ranges(divided),
+            gpu: Arc::clone(gpu),
+        })
+    }
+
+    fn draw(&mut self, measured: Measured) -> Result<DirectReport, DeviceError> {
+        self.constants.stream(bytemuck::bytes_of(&self.sent))?;
+        let draw = DirectDraw {
+            pipeline: &self.pipeline,
+            vertices: Some(&self.vertices),
+            call: DrawCall::Vertices(&self.ranges),
+        };
+        self.targets.draw_directly(None, &draw, measured)
+    }
+}
+
+impl Draws for OnVulkan {
+    fn frame(&mut self) -> Result<Option<f64>, DeviceError> {
+        Ok(self.draw(Measured::Times)?.gpu_ms)
+    }
+
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.targets.read()
+    }
+
+    fn count(&mut self) -> Result<u64, DeviceError> {
+        let samples = self.draw(Measured::Samples)?.samples;
+        let counted = samples.and_then(|samples| samples.last().copied());
+        counted
+            .ok_or_else(|| DeviceError::unsupported("occlusionQueryPrecise", &self.gpu.facts.name))
+    }
+}

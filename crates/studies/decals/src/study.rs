@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The study: each case is divided, drawn, held against `f64`, and timed.
+
+use crate::STUDY;
+use crate::cases::{Division, Part, Vantage, Work, groups};
+use crate::chapter::CHAPTER;
+use crate::divided::{Corner, DecalConstants, Divided, MAX_CELLS, Origin};
+use crate::draws::{Draws, sent_bytes, time};
+use crate::judge::{Errors, Reference};
+use crate::metrics::*;
+use crate::on_wgpu;
+use crate::pictures;
+use crate::view::Eye;
+use std::collections::BTreeMap;
+use terrafill_contract::{DeviceError, ids_of, numbers_hash};
+use terrafill_results::{CaseId, PlannedCase, Verdict};
+use terrafill_study::{
+    CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Planned, Request, Shows, Study,
+    StudyError, judged, size_name, verified,
+};
+
+/// Pixels a side of a quick run.
+const QUICK_PX: u32 = 256;
+/// Timed frames of each case in a process.
+const SAMPLES: u32 = 4;
+/// Setting of a request with which every case keeps its picture.
+const PICTURES: &str = "pictures";
+
+/// Decals and lines on a globe, divided by every rule.
+#[derive(Debug, Clone, Copy)]
+pub struct DecalsStudy;
+
+impl Study for DecalsStudy {
+    terrafill_study::study_facts!(
+        name: STUDY,
+        metrics: METRICS,
+        conditions: crate::metrics::CONDITIONS,
+        least_depth: Full,
+        chapter: CHAPTER,
+    );
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let [width, height] = request.size_or([QUICK_PX; 2]);
+        let side = width.min(height);
+        let samples = request.samples.unwrap_or(SAMPLES);
+        let keeps_all = request.settings.contains_key(PICTURES);
+        let is_quick = request.depth == Depth::Quick;
+        let groups = groups(is_quick, request.depth == Depth::Full).into_iter();
+        let group = |works| Box::new(group(works, side, samples, keeps_all)) as Box<dyn Group>;
+        Ok(Planned {
+            groups: groups.map(group).collect(),
+            ..Planned::default()
+        })
+    }
+}
+
+/// Cases that share what is drawn and from where.
+pub(crate) struct Works {
+    pub(crate) works: Vec<Work>,
+    side: u32,
+    keeps_all: bool,
+}
+
+pub(crate) fn group(
+    works: Vec<Work>,
+    side: u32,
+    samples: u32,
+    keeps_all: bool,
+) -> CaseGroup<Works> {
+    let case = |work: &Work| {
+        let mut conditions = work.conditions();
+        conditions.push((SIZE_PX, size_name([side; 2])));
+        PlannedCase {
+            id: CaseId::new(STUDY, work.name(), conditions),
+            samples,
+            may_be_wrong: false,
+        }
+    };
+    CaseGroup {
+        name: format!("{STUDY}/{}", works[0].name()),
+        cases: works.iter().map(case).collect(),
+        warm_up: None,
+        work: Works {
+            works,
+            side,
+            keeps_all,
+        },
+        open: |group, context| {
+            Ok(Box::new(JudgedOnce::new(DecalSession {
+                group,
+                context,
+                opened: BTreeMap::new(),
+            })))
+        },
+    }
+}
+
+/// What counted pixels found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Counted {
+    pub(crate) cells: u32,
+    pub(crate) frames: u32,
+    /// In the frame of these cells.
+    pub(crate) px: u64,
+}
+
+/// Divides twice as finely in each frame until no more pixels are counted, as the paper says it: then the division before
+/// was fine enough.
+///
+/// - `count`: pixels with so many cells along a side
+pub(crate) fn by_counts<E>(mut count: impl FnMut(u32) -> Result<u64, E>) -> Result<Counted, E> {
+    let mut found = Counted {
+        cells: 1,
+        frames: 1,
+        px: count(1)?,
+    };
+    while found.cells < MAX_CELLS {
+        let px = count(2 * found.cells)?;
+        found.frames += 1;
+        if px <= found.px {
+            break;
+        }
+        found.cells *= 2;
+        found.px = px;
+    }
+    Ok(found)
+}
+
+/// What a case showed.
+pub(crate) struct Shown {
+    divided: Divided,
+    numbers: Vec<u32>,
+    corners: Vec<Corner>,
+    vertex_px: Option<f64>,
+    counted: Option<Counted>,
+}
+
+struct DecalSession<'a> {
+    group: &'a CaseGroup<Works>,
+    context: Context<'a>,
+    /// By case.
+    opened: BTreeMap<usize, Box<dyn Draws>>,
+}
+
+/// Corners with clip positions of the device's, and how far these are off where they are on the picture.
+fn as_on_device(eye: &Eye, mut corners: Vec<Corner>, clips: &[glam::DVec4]) -> (Vec<Corner>, f64) {
+    let mut worst = 0.0_f64;
+    for (corner, clip) in corners.iter_mut().zip(clips) {
+        let (exact_px, own_px) = (eye.pixel(corner.clip), eye.pixel(*clip));
+        if exact_px.min_element() >= 0.0 && exact_px.max_element() <= f64::from(eye.side) {
+            worst = worst.max(exact_px.distance(own_px));
+        }
+        corner.clip = *clip;
+    }
+    (corners, worst)
+}
+
+impl DecalSession<'_> {
+    fn cells(&self, work: &Work) -> Result<Option<Counted>, DeviceError> {
+        if work.division != Division::Query {
+            return Ok(None);
+        }
+        let side = self.group.work.side;
+        let count = |cells| {
+            let divided = work.divided(side, Some(cells));
+            work.interface.open(self.context.devices, &divided)?.count()
+        };
+        by_counts(count).map(Some)
+    }
+
+    /// Whether a case's picture is kept in every run.
+    fn is_pictured(&self, work: &Work) -> bool {
+        let is_fixed = matches!(work.division, Division::Fixed(_));
+        let is_large = work.extent.angle() > 0.5 && work.from != Vantage::Limb;
+        let is_plain = work.origin == Origin::Corner;
+        self.group.work.keeps_all || (is_fixed && is_large && is_plain)
+    }
+}
+
+impl Shows for DecalSession<'_> {
+    type Shown = Shown;
+
+    fn show(&mut self, case: usize) -> Result<(String, Shown), Failure> {
+        let work = self.group.work.works[case];
+        let counted = self.cells(&work)?;
+        let divided = work.divided(self.group.work.side, counted.map(|of| of.cells));
+        let mut draws = work.interface.open(self.context.devices, &divided)?;
+        draws.frame()?;
+        let numbers = ids_of(&draws.read()?);
+        self.opened.insert(case, draws);
+        let mut corners = divided.corners();
+        let mut vertex_px = None;
+        if work.origin == Origin::Centre {
+            let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
+            let clips = on_wgpu::clips(&gpu, &divided)?;
+            let (moved, worst) = as_on_device(&divided.eye, corners, &clips);
+            (corners, vertex_px) = (moved, Some(worst));
+        }
+        let counts = counted.map(|of| format!("-{}-{}", of.cells, of.px));
+        let hash = numbers_hash(&numbers) + &counts.unwrap_or_default();
+        Ok((
+            hash,
+            Shown {
+                divided,
+                numbers,
+                corners,
+                vertex_px,
+                counted,
+            },
+        ))
+    }
+
+    fn judge(&mut self, case: usize, shown: Shown) -> Result<Verdict, Failure> {
+        let Shown {
+            divided,
+            numbers,
+            corners,
+            vertex_px,
+            counted,
+        } = shown;
+        let work = &self.group.work.works[case];
+        let reference = Reference::new(&divided, &corners);
+        let drawn = reference.picture();
+        let found = reference.judge(&numbers, &drawn);
+        let is_decal = work.part == Part::Decal;
+        let errors = if is_decal {
+            Errors::of_decal(&divided, &numbers, &drawn)
+        } else {
+            Errors::of_line(&divided, &numbers)
+        };
+        let mut figures: Figures = vec![
+            (DECAL_MISMATCHED_PX.name, found.mismatched as f64),
+            (DECAL_BAND_PX.name, found.in_band as f64),
+            (DECAL_SHOWN_PX.name, found.shown as f64),
+            (DECAL_CELLS.name, f64::from(divided.cells)),
+            (DECAL_TRIANGLES.name, divided.triangles() as f64),
+            (DECAL_SENT_BYTES.name, sent_bytes(&divided) as f64),
+            (DECAL_FRAME_BYTES.name, size_of::<DecalConstants>() as f64),
+        ];
+        if is_decal {
+            figures.push((DECAL_EXTRA_PX.name, errors.extra as f64));
+            figures.push((DECAL_MISSING_PX.name, errors.missing as f64));
+        }
+        let names = [DECAL_PX_MAX, DECAL_PX_P99, DECAL_PX_MEDIAN].map(|metric| metric.name);
+        figures.extend(names.into_iter().zip(errors.spread().into_iter().flatten()));
+        figures.extend(vertex_px.map(|px| (DECAL_VERTEX_PX.name, px)));
+        if divided.is_tested {
+            let untested = Divided {
+                is_tested: false,
+                ..divided
+            };
+            let all = Reference::new(&untested, &untested.corners()).picture();
+            let all = all.iter().flatten().count();
+            let hidden = 1.0 - found.shown as f64 / all.max(1) as f64;
+            figures.push((DECAL_HIDDEN_SHARE.name, hidden.max(0.0)));
+        }
+        let mut reason = match found.mismatched {
+            0 if found.shown == 0 && !divided.is_tested => "it shows nothing".to_owned(),
+            0 => String::new(),
+            mismatched => format!("{mismatched} pixels show what the reference does not allow"),
+        };
+        if let Some(counted) = counted {
+            let off = counted.px.abs_diff(found.shown as u64);
+            figures.push((DECAL_FRAMES.name, f64::from(counted.frames)));
+            figures.push((DECAL_COUNTED_PX.name, counted.px as f64));
+            figures.push((DECAL_MISCOUNTED_PX.name, off as f64));
+            // A pixel that two triangles cover is counted twice: only lines, at their bends, and what folds over the
+            // horizon have some.
+            let may_overlap = !is_decal || work.from == Vantage::Limb;
+            if reason.is_empty() && off > 0 && !may_overlap {
+                reason = format!(
+                    "{} samples are counted, {} pixels shown",
+                    counted.px, found.shown
+                );
+            }
+        }
+        let notes = if self.is_pictured(work) || !reason.is_empty() {
+            let name = &self.group.cases[case].id.name;
+            pictures::write(self.context.folder, name, &divided, &numbers, &found.wrong)?
+        } else {
+            Vec::new()
+        };
+        Ok(judged(reason, figures, notes))
+    }
+
+    fn time(&mut self, case: usize) -> Result<Figures, Failure> {
+        Ok(time(verified(&mut self.opened, case)?.as_mut())?)
+    }
+}
