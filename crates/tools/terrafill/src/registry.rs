@@ -69,6 +69,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
     },
     &terrafill_globes::GlobesStudy { surfaces: SURFACES },
     &terrafill_decals::DecalsStudy,
+    &terrafill_paging::PagingStudy,
     &terrafill_shadows::ShadowsStudy,
     &terrafill_balls::BallsStudy,
     &terrafill_pipelines::PipelinesStudy,
