@@ -39,7 +39,6 @@ pub(crate) fn of_records(records: &[FrameRecord]) -> Figures {
         let texels = last.wanted as f64 * f64::from(PAGE * PAGE);
         figures.push((PAGING_STEADY_BYTES.name, (before.bytes + last.bytes) as f64));
         figures.push((PAGING_WANTED.name, last.wanted as f64));
-        figures.push((PAGING_TEXELS.name, texels));
         let pixels = last.pixels.filter(|[pixels, _]| *pixels > 0);
         figures
             .extend(pixels.map(|[pixels, _]| (PAGING_TEXELS_PER_PX.name, texels / pixels as f64)));

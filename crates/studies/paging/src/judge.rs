@@ -226,9 +226,16 @@ impl<'a> Reference<'a> {
     }
 
     /// Whether any place within the band has something that fits; and whether the pixel's middle has.
-    fn fits(&self, px: [f64; 2], fits: impl Fn(Option<&Lookup>) -> bool) -> [bool; 2] {
+    ///
+    /// - `middle`: the triangle at the pixel's middle
+    fn fits(
+        &self,
+        px: [f64; 2],
+        middle: Option<usize>,
+        fits: impl Fn(Option<&Lookup>) -> bool,
+    ) -> [bool; 2] {
         let of_facet = |facet, px| self.lookups(facet, px).iter().any(|one| fits(Some(one)));
-        let is_exact = match self.facet(px) {
+        let is_exact = match middle {
             Some(facet) => of_facet(facet, px),
             None => fits(None),
         };
@@ -265,8 +272,8 @@ impl<'a> Reference<'a> {
     }
 
     /// Whether a pixel that says so is right.
-    pub(crate) fn is_right(&self, px: [f64; 2], said: &Said) -> [bool; 2] {
-        self.fits(px, |lookup| {
+    fn is_right(&self, px: [f64; 2], middle: Option<usize>, said: &Said) -> [bool; 2] {
+        self.fits(px, middle, |lookup| {
             let expected = lookup.map_or_else(Said::default, |lookup| Said {
                 wanted: Some(lookup.wanted),
                 texels: lookup
@@ -282,7 +289,8 @@ impl<'a> Reference<'a> {
         let width = f64::from(self.eye.size.width);
         self.by_pixel(|pixel, px| {
             let said = &said[pixel];
-            let [is_right, is_exact] = self.is_right(px, said);
+            let facet = self.facet(px);
+            let [is_right, is_exact] = self.is_right(px, facet, said);
             let mut judged = Judged {
                 mismatched: u64::from(!is_right),
                 in_band: u64::from(is_right && !is_exact),
@@ -294,7 +302,7 @@ impl<'a> Reference<'a> {
             judged.covered = 1;
             let shown = level_of(said.texels[0]);
             judged.missing = u64::from(shown.is_none_or(|shown| shown < wanted));
-            if let Some((facet, shown)) = self.facet(px).zip(shown) {
+            if let Some((facet, shown)) = facet.zip(shown) {
                 let finest = f64::from(self.texture.finest);
                 let own = self.footprint_level(facet, px).clamp(0.0, finest);
                 let lost = own - f64::from(shown);
@@ -319,13 +327,14 @@ impl<'a> Reference<'a> {
     ) -> Judged {
         self.by_pixel(|pixel, px| {
             let shown = colours[pixel];
-            let [is_right, is_exact] = self.fits(px, |lookup| match lookup.map(|of| of.shown) {
+            let fits = |lookup: Option<&Lookup>| match lookup.map(|of| of.shown) {
                 None => shown == [0; 4],
-                Some(None) => true,
+                Some(None) => false,
                 Some(Some((page, local))) => pages
                     .get(&page)
                     .is_some_and(|texels| is_between(texels, local, shown)),
-            });
+            };
+            let [is_right, is_exact] = self.fits(px, self.facet(px), fits);
             Judged {
                 mismatched: u64::from(!is_right),
                 in_band: u64::from(is_right && !is_exact),

@@ -115,12 +115,6 @@ terrafill_results::metrics! {
         Kind::Error,
         "Texels of the pages that the last frame of a flight wants, over pixels of the globe.",
     );
-    PAGING_TEXELS = Metric::neither(
-        "paging_texels",
-        "texels",
-        Kind::Counter,
-        "Texels of the pages that the last frame of a flight wants.",
-    );
     PAGING_BLURRED_PX = Metric::error_px(
         "paging_blurred_px",
         "Pixels of the last frame whose texel is larger than their footprint by more than a level.",
