@@ -13,7 +13,7 @@ use std::rc::Rc;
 use terrafill_contract::Devices;
 use terrafill_results::{CaseId, Status, Verdict};
 use terrafill_scene::choices;
-use terrafill_study::{Context, Depth, Group, Request, Study, StudyError};
+use terrafill_study::{Context, Depth, Planned, Request, Study, StudyError};
 
 /// Cases that are verified in search of a picture: some studies draw one of a few cases alone.
 const MAX_TRIED: usize = 16;
@@ -96,7 +96,7 @@ impl<'a> Asked<'a> {
         let number = planned.groups.iter().flat_map(|group| group.cases());
         let number = number.filter(|case| is_asked(&case.id)).count();
         if number == 0 {
-            return Err(self.refused(&planned.groups));
+            return Err(self.refused(&planned));
         }
         let folder = tempfile::tempdir().map_err(Failure::bad_input)?;
         let images = folder.path().join("images");
@@ -145,9 +145,9 @@ impl<'a> Asked<'a> {
     }
 
     /// That no case has all that was asked for: which values there are.
-    fn refused(&self, groups: &[Box<dyn Group>]) -> Failure {
+    fn refused(&self, planned: &Planned) -> Failure {
+        let groups = planned.groups.iter();
         let cases: Vec<&CaseId> = groups
-            .iter()
             .flat_map(|group| group.cases())
             .map(|case| &case.id)
             .collect();
@@ -159,8 +159,14 @@ impl<'a> Asked<'a> {
         let study = self.study.name();
         if let Some(value) = self.values.iter().find(|value| !values.contains(**value)) {
             let names = values.into_iter().filter(|value| !value.is_empty());
-            let allowed = choices(value, names);
-            return Failure::bad_input(format!("{study}: found {value:?}, allowed: {allowed}"));
+            let mut message = format!(
+                "{study}: found {value:?}, allowed: {}",
+                choices(value, names)
+            );
+            for skipped in &planned.skipped {
+                message += &format!("\nleft out: {}: {}", skipped.what, skipped.reason);
+            }
+            return Failure::bad_input(message);
         }
         let has = |case: &CaseId, value: &str| case.conditions.values().any(|own| own == value);
         let alike = cases

@@ -938,3 +938,36 @@ fn every_technique_draws_a_fitted_file_as_the_reference_does() {
         assert!(mismatches <= 20, "{technique}: {mismatches} pixels");
     }
 }
+
+#[test]
+fn a_case_of_a_study_is_drawn_judged_and_named() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let render = |arguments: &[&str]| {
+        let size = ["--size", "96", "--check", "--out", "a.png"];
+        desk.run(&[&["render"], arguments, &size[..]].concat())
+    };
+    let drawn = render(&["globes/bare", "--view", "globe"]);
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    assert!(drawn.stderr.contains("view=globe"), "{}", drawn.stderr);
+    let picture = image::open(desk.path("a.png")).expect("a picture");
+    assert_eq!((picture.width(), picture.height()), (96, 96));
+    // Negative controls: what no case has, and what only scenes have.
+    for (arguments, complaint) in [
+        (
+            ["globes/barer", "--view", "globe"],
+            "did you mean \"bare\"?",
+        ),
+        (["globes/bare", "--view", "cellar"], "--view globe"),
+        (
+            ["globes/bare", "--technique", "vertex"],
+            "allowed: with a scene",
+        ),
+    ] {
+        let refused = render(&arguments);
+        assert_eq!(refused.code, 2, "{}", refused.stderr);
+        assert!(refused.stderr.contains(complaint), "{}", refused.stderr);
+    }
+}
