@@ -73,6 +73,9 @@ terrafill_results::conditions! {
     "off the texels" = "difference from the same texels, filtered and shaded in f64";
     "correlation" = "of frame times with numbers of triangles, -1 to 1";
     "µs a triangle" = "how much longer a frame takes for a triangle more, by least squares";
+    "Student's 95 % interval" = "of a line's slope, by what its points leave over";
+    "by processes" = "by a line in each process, with the interval over them";
+    "frame with the most" = "the frame with the most triangles over that with the fewest, both on the line of a process";
 }
 
 /// Pixels of some sort, of which neither more nor fewer are better.
@@ -216,7 +219,7 @@ terrafill_results::metrics! {
     );
     GLOBE_TILE_WRONG_PX = Metric::error_px(
         "globe_tile_wrong_px",
-        "Pixels whose tile is at hand and that show none, or a texel too far from their place on the triangle: by more than ½ and what corners within 1/256 px explain; at most 0.",
+        "Pixels whose tile is at hand and that show none, or a texel too far from their place on the triangle: by more than ½ and what corners within 1/256 px explain. Pixels beside the outline are left out; at most 0.",
     );
     GLOBE_TILE_SPARE = Metric::less(
         "globe_tile_spare",

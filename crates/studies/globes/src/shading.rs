@@ -196,8 +196,7 @@ impl ShadingPart<'_> {
         let other = work.is_stored.then(|| {
             let other = mesh.met(eye, work.projection.next());
             let other = judge(eye, &other, lights, layers, picture, false).beyond;
-            let fine = Spiral::new(eye, 2 * work.n, Law::Published, None);
-            let fine = Mesh::Stored(fine).met(eye, work.projection);
+            let fine = mesh.met_finer(eye, work.projection);
             let of = |met: &Met| sorted(met.off_formula(eye, work.projection));
             let (coarse, fine) = (of(met), of(&fine));
             let [most, fine] = [&coarse, &fine].map(|of| quantile(of, 0.99).unwrap_or(f64::NAN));

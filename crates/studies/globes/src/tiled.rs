@@ -168,8 +168,8 @@ struct TiledErrors {
     pole_px: usize,
     cap_px: usize,
     missing_px: usize,
-    /// Pixels whose tile is at hand and that show a texel off by more than is allowed, or none; those of triangles that
-    /// hold a pole left out.
+    /// Pixels whose tile is at hand and that show a texel off by more than is allowed, or none. Those of triangles that
+    /// hold a pole and those beside the outline are left out.
     wrong_px: usize,
     /// Pixels whose ray meets no triangle.
     open_px: usize,
@@ -221,7 +221,8 @@ impl TiledErrors {
             Shown::Missing | Shown::Nothing => 0.0,
         };
         let is_off = off.is_none_or(|off| off > ALLOWED_TEXELS + snapped);
-        self.wrong_px += usize::from(is_off && !truth.holds_pole && is_at_hand());
+        let is_judged = !truth.holds_pole && !truth.is_at_outline;
+        self.wrong_px += usize::from(is_off && is_judged && is_at_hand());
         if let (Shown::Texel(texel), Some(body)) = (shown, &truth.body) {
             self.body.push(off_texels(texel, body, by_fragment));
         }

@@ -171,7 +171,7 @@ fn on_map([a, b, c]: [DVec2; 3], at: DVec2) -> [f64; 3] {
 }
 
 /// The place on the body whose geodetic normal this is, from the eye.
-fn foot(eye: &Eye, n: DVec3) -> DVec3 {
+pub(super) fn foot(eye: &Eye, n: DVec3) -> DVec3 {
     let radii = eye.body.radii_m();
     let scaled = n * radii;
     scaled * radii / scaled.length() - eye.camera.eye_ecef

@@ -2,7 +2,7 @@
 //! What a frame draws: a mesh of the CPU's, or a range of the static buffer.
 
 use super::device::{Geometry, LayerVertex};
-use super::judge::{Met, normal};
+use super::judge::{Met, foot, normal};
 use crate::canvas::no_triangles;
 use crate::list::Eye;
 use crate::made::spiral::Spiral;
@@ -47,20 +47,49 @@ impl Mesh {
     pub(super) fn met(&self, eye: &Eye, projection: Projection) -> Met {
         match self {
             Self::Sent(frame, _) => Met::new(eye, frame),
-            Self::Stored(spiral) if projection == Projection::Globe => {
-                let frame = SurfaceFrame {
-                    vertices_rte: spiral.vertices().into(),
-                    triangles: spiral.triangles().into(),
-                    ..no_triangles()
-                };
-                Met::new(eye, &frame)
-            }
-            Self::Stored(spiral) => {
-                let places: Vec<DVec3> = (0..spiral.count()).map(|k| spiral.place(k)).collect();
-                Met::projected(eye, &places, &spiral.triangles(), projection)
-            }
+            Self::Stored(spiral) => met(eye, &places(spiral), spiral.triangles(), projection),
         }
     }
+
+    /// Those that pixels would show if each were four, with corners on the body.
+    pub(super) fn met_finer(&self, eye: &Eye, projection: Projection) -> Met {
+        let (mut places, triangles) = match self {
+            Self::Sent(frame, _) => {
+                let places = frame.vertices_rte.iter();
+                let places = places.map(|place| DVec3::from(place.map(f64::from)));
+                (places.collect(), frame.triangles.to_vec())
+            }
+            Self::Stored(spiral) => (places(spiral), spiral.triangles()),
+        };
+        let mut finer = Vec::new();
+        for [a, b, c] in triangles {
+            let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[from, to]| {
+                let middle = 0.5 * (places[from as usize] + places[to as usize]);
+                places.push(foot(eye, normal(eye, middle)));
+                u32::try_from(places.len() - 1).unwrap_or(u32::MAX)
+            });
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        met(eye, &places, finer, projection)
+    }
+}
+
+/// From the eye.
+fn places(spiral: &Spiral) -> Vec<DVec3> {
+    (0..spiral.count()).map(|k| spiral.place(k)).collect()
+}
+
+fn met(eye: &Eye, places: &[DVec3], triangles: Vec<[u32; 3]>, projection: Projection) -> Met {
+    if projection != Projection::Globe {
+        return Met::projected(eye, places, &triangles, projection);
+    }
+    let vertices = places.iter().map(|place| place.as_vec3().to_array());
+    let frame = SurfaceFrame {
+        vertices_rte: vertices.collect(),
+        triangles: triangles.into(),
+        ..no_triangles()
+    };
+    Met::new(eye, &frame)
 }
 
 pub(super) fn vertices(eye: &Eye, frame: &SurfaceFrame) -> Vec<LayerVertex> {

@@ -145,6 +145,13 @@ fn triangles_on_a_map_are_off_another_formula() {
         let met = mesh.met(&eye, projection);
         let off = |formula| quantile(&met.off_formula(&eye, formula), 0.5).expect("pixels");
         assert!(off(projection) < 0.5, "{projection:?}: {}", off(projection));
+        // Of triangles half as long the distance is about a quarter: it is their tessellation's.
+        let finer = mesh
+            .met_finer(&eye, projection)
+            .off_formula(&eye, projection);
+        let [coarse, fine] = [met.off_formula(&eye, projection), finer]
+            .map(|off| quantile(&off, 0.99).expect("pixels"));
+        assert!(fine < 0.5 * coarse, "{projection:?}: {fine} of {coarse}");
         // Negative control.
         let others = Projection::ALL.iter().filter(|other| **other != projection);
         for other in others {

@@ -135,6 +135,7 @@ fn a_texel_beside_the_right_one_is_found_wrong() {
         is_at_seam: true,
         holds_pole: false,
         snapped: 0.0,
+        is_at_outline: false,
     };
     let all = BTreeSet::from([texel(0, 10).tile]);
     let found = |shown| judge(&[Some(truth)], &[shown], &Options::BASE, &all);
@@ -153,6 +154,11 @@ fn a_texel_beside_the_right_one_is_found_wrong() {
         (beside(truth, 2), beside(steep, 2), beside(steep, 4)),
         (1, 0, 1)
     );
+    let outer = Truth {
+        is_at_outline: true,
+        ..truth
+    };
+    assert_eq!(beside(outer, 2), 0);
     // A pixel whose tile is not at hand cannot show it.
     let without = judge(
         &[Some(truth)],

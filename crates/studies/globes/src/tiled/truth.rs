@@ -3,7 +3,7 @@
 //! the body itself. The first leaves the seam and `f32` as the only causes of an error.
 
 use super::options::Options;
-use crate::error::SNAPPED_PX;
+use crate::error::{SNAPPED_PX, around};
 use crate::list::Eye;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -98,13 +98,25 @@ pub(crate) struct Truth {
     /// How far U or V' moves where corners are moved to what a device keeps of them: much where a triangle is seen along
     /// its plane, at the limb.
     pub(crate) snapped: f64,
+    /// Whether a pixel beside it shows no surface: what is drawn there may be a triangle that rays miss.
+    pub(crate) is_at_outline: bool,
 }
 
 /// Pixels in rows.
 pub(crate) fn truths(eye: &Eye, frame: &SurfaceFrame) -> Vec<Option<Truth>> {
     let triangles = SurfaceTriangles::new(frame);
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
-    eye.by_pixel(|_, centre, direction| truth(eye, &triangles, &body, centre, direction))
+    let mut truths =
+        eye.by_pixel(|_, centre, direction| truth(eye, &triangles, &body, centre, direction));
+    let width = eye.size.width as usize;
+    let is_open: Vec<bool> = truths.iter().map(Option::is_none).collect();
+    for (pixel, truth) in truths.iter_mut().enumerate() {
+        if let Some(truth) = truth {
+            let mut beside = around(pixel, width, is_open.len());
+            truth.is_at_outline = beside.any(|beside| is_open[beside]);
+        }
+    }
+    truths
 }
 
 /// Shares of a triangle's corners where a ray from the eye meets its plane.
@@ -170,6 +182,7 @@ fn truth(
             && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
         holds_pole: crossings % 2 == 1,
         snapped: snapped.into_iter().fold(0.0, f64::max),
+        is_at_outline: false,
     })
 }
 
@@ -197,6 +210,7 @@ pub(crate) fn body_truths(eye: &Eye) -> Vec<Option<Truth>> {
             is_at_seam: false,
             holds_pole: false,
             snapped: 0.0,
+            is_at_outline: false,
         })
     })
 }
@@ -324,6 +338,7 @@ pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) 
 mod tests {
     use super::*;
     use crate::on_device::tiled_view;
+    use std::f64::consts::PI;
 
     #[test]
     fn far_below_the_body_a_level_goes_by_the_latitude_that_the_map_has() {
@@ -332,7 +347,8 @@ mod tests {
         let place = 0.6 * DVec3::new(0.5, 0.5, 0.7) * radii;
         let up = (place / (radii * radii)).normalize();
         let of_map = MapPoint::new(&eye.body, place).mercator_v;
-        assert!((mercator_v(0.5 - up.z.asin() / std::f64::consts::PI) - of_map).abs() < 0.01);
+        let usual = 0.5 - (0.25 * PI + 0.5 * up.z.asin()).tan().ln() / TAU;
+        assert!((of_map - usual).abs() < 1e-12, "{of_map} {usual}");
         // At a distance between what both latitudes ask for, geodetic latitude asks for another level.
         let latitudes = [up.z.asin(), eye.body.ecef_to_geodetic(place).latitude_rad];
         let round_m = latitudes.map(|latitude| {
