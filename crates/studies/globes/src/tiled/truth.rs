@@ -106,8 +106,9 @@ pub(crate) struct Truth {
 pub(crate) fn truths(eye: &Eye, frame: &SurfaceFrame) -> Vec<Option<Truth>> {
     let triangles = SurfaceTriangles::new(frame);
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
-    let mut truths =
-        eye.by_pixel(|_, centre, direction| truth(eye, &triangles, &body, centre, direction));
+    let mut truths = eye.by_pixel_with(|known: &mut MapFacet, _, centre, direction| {
+        truth(eye, [&triangles, &body], (centre, direction), known)
+    });
     let width = eye.size.width as usize;
     let is_open: Vec<bool> = truths.iter().map(Option::is_none).collect();
     for (pixel, truth) in truths.iter_mut().enumerate() {
@@ -126,34 +127,51 @@ fn shares([a, b, c]: [DVec3; 3], direction: DVec3) -> [f64; 3] {
     sides.map(|side| side / sum)
 }
 
+/// A triangle's corners on the map, remembered: pixels beside each other mostly show the same one.
+#[derive(Debug, Default)]
+struct MapFacet {
+    /// From the eye.
+    facet: [DVec3; 3],
+    /// U in one piece, V and V'.
+    corners: [[f64; 3]; 3],
+}
+
+impl MapFacet {
+    fn corners(&mut self, eye: &Eye, facet: [DVec3; 3]) -> [[f64; 3]; 3] {
+        if self.facet != facet {
+            self.facet = facet;
+            let points = facet.map(|at| MapPoint::new(&eye.body, at + eye.camera.eye_ecef));
+            let first = points[0].u;
+            self.corners = points.map(|point| {
+                let u = point.u - (point.u - first).round();
+                [u, point.v, point.mercator_v]
+            });
+        }
+        self.corners
+    }
+}
+
+/// Of a pixel, by its centre and its ray's direction.
 fn truth(
     eye: &Eye,
-    triangles: &SurfaceTriangles,
-    body: &SurfaceTriangles,
-    centre: [f64; 2],
-    direction: DVec3,
+    [triangles, body]: [&SurfaceTriangles; 2],
+    (centre, direction): ([f64; 2], DVec3),
+    known: &mut MapFacet,
 ) -> Option<Truth> {
     let camera = &eye.camera;
     let (depth, facet) = triangles.hit_facet(direction, camera.near_m)?;
     let corners = facet.map(|corner| corner + camera.eye_ecef);
-    let points = corners.map(|corner| MapPoint::new(&eye.body, corner));
-    let first = points[0].u;
-    let us = points.map(|point| point.u - (point.u - first).round());
+    let of_corners = known.corners(eye, facet);
     let at = |direction: DVec3| {
         let shares = shares(facet, direction);
-        let mixed = |of: [f64; 3]| {
-            of.iter()
-                .zip(shares)
-                .map(|(of, share)| of * share)
-                .sum::<f64>()
+        let mixed = |which: usize| {
+            let corners = of_corners.iter().zip(shares);
+            corners.map(|(of, share)| of[which] * share).sum::<f64>()
         };
-        [
-            mixed(us),
-            mixed(points.map(|point| point.mercator_v)),
-            mercator_v(mixed(points.map(|point| point.v))),
-        ]
+        [mixed(0), mixed(2), mixed(1)]
     };
-    let [u, by_vertex, by_fragment] = at(direction);
+    let [u, by_vertex, v] = at(direction);
+    let by_fragment = mercator_v(v);
     let beside = [[1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
         let there = camera.direction_ecef(eye.size, [centre[0] + x, centre[1] + y]);
         (at(there)[0] - u).abs()
