@@ -45,7 +45,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
            triangles as drawn, which must agree outside of the band of 1/32 pixel, and against the exact projection: a \
            pixel's ray meets the body, and the place there has an address. Depth is not tested, as in the paper, unless a \
            section says so; what lies beyond the horizon is left out. The paper names the rule of counted pixels, and no \
-           formula: ours bounds what linear interpolation is off by an eighth of the second derivative over an edge.",
+           formula: ours bounds what linear interpolation is off by the second derivative over a cell's edges.",
     terms: TERMS,
     primary: TIME,
     answers,
@@ -122,7 +122,7 @@ fn said((case, px): (&Case, f64)) -> String {
 fn formula_is_fine(cases: &Cases<'_>) -> Finding {
     let found = worst(cases, "formula");
     finding(
-        "By the formula no pixel is off by more than a quarter of a pixel",
+        "By the formula no pixel is off by more than a quarter of a pixel:",
         found.map(|(_, px)| px <= FINE_PX),
         found.map_or_else(String::new, said),
     )
@@ -131,7 +131,7 @@ fn formula_is_fine(cases: &Cases<'_>) -> Finding {
 fn ten_are_not_always(cases: &Cases<'_>) -> Finding {
     let found = worst(cases, "10");
     finding(
-        "Gebbie & Bailey: 10 × 10 cells work without problems, up to a whole continent",
+        "Gebbie & Bailey: 10 × 10 cells work without problems, up to a whole continent:",
         found.map(|(_, px)| px <= 1.0),
         found.map_or_else(String::new, said),
     )
@@ -140,7 +140,7 @@ fn ten_are_not_always(cases: &Cases<'_>) -> Finding {
 fn counts_may_stop_early(cases: &Cases<'_>) -> Finding {
     let found = worst(cases, "query");
     finding(
-        "Gebbie & Bailey: where counted pixels increase no more, it is divided finely enough",
+        "Gebbie & Bailey: where counted pixels increase no more, it is divided finely enough:",
         found.map(|(_, px)| px <= 1.0),
         found.map_or_else(String::new, said),
     )
@@ -179,7 +179,7 @@ fn corner_is_finer(cases: &Cases<'_>) -> Finding {
     });
     let nearest = pairs.max_by(|a, b| a.1.total_cmp(&b.1));
     finding(
-        "Vertices about the corner are more exact where the eye is near",
+        "Vertices about the corner are more exact where the eye is near:",
         nearest.map(|(_, ratio)| ratio > 2.0),
         nearest.map_or_else(String::new, |(case, ratio)| {
             let view = format!("{}, {}", case.condition(EXTENT), case.condition(VIEW));
@@ -215,7 +215,7 @@ fn second_order_is_enough(cases: &Cases<'_>) -> Finding {
     let of = |order| cases.with(&[(SERIES, order)]).greatest(DECAL_PX_MAX);
     let pair = of("1").zip(of("2"));
     finding(
-        "Second order is enough for a campus and a city, and first order is not",
+        "Second order is enough for a campus and a city, and first order is not:",
         pair.map(|(first, second)| second <= FINE_PX && first > FINE_PX),
         pair.map_or_else(String::new, |(first, second)| {
             let [first, second] = [first, second].map(significant);
@@ -305,7 +305,7 @@ fn formula_is_seen(cases: &Cases<'_>) -> Finding {
         .with(&[(DIVISION, "formula")])
         .greatest(DECAL_HIDDEN_SHARE);
     finding(
-        "Divided by the formula, data stays before the body",
+        "Divided by the formula, data stays before the body:",
         most.map(|most| most <= HIDDEN_SHARE),
         most.map_or_else(String::new, |most| {
             format!(
@@ -319,7 +319,7 @@ fn formula_is_seen(cases: &Cases<'_>) -> Finding {
 fn one_is_hidden(cases: &Cases<'_>) -> Finding {
     let least = cases.with(&[(DIVISION, "1")]).least(DECAL_HIDDEN_SHARE);
     finding(
-        "Undivided, data from a country on almost disappears in the body",
+        "Undivided, data from a country on almost disappears in the body:",
         least.map(|least| least >= 0.9),
         least.map_or_else(String::new, |least| {
             format!(
@@ -347,12 +347,12 @@ fn answers(cases: &Cases<'_>) -> Answers {
     Answers {
         requirements: vec![
             none(
-                "No pixel shows another texel than the triangles as drawn allow",
+                "No pixel shows another texel than the triangles as drawn allow:",
                 &wrong,
                 "pixels",
             ),
             none(
-                "Counted pixels of decals are those of the picture",
+                "Counted pixels of decals are those of the picture:",
                 &miscounted,
                 "pixels",
             ),

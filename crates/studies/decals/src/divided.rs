@@ -98,9 +98,10 @@ pub(crate) fn lift_m(eye: &Eye, data: &Data) -> f64 {
     (FINE_PX + half_px) / px_per_metre(eye, data)
 }
 
-/// Fewest cells along a side whose edges are off by no more than a quarter of a pixel: linear interpolation is off by at
-/// most an eighth of the second derivative over an edge. On the globe it is that of places on the body, as large as it
-/// is seen at most; in maps that of the map, in pixels.
+/// Fewest cells along a side with which nothing is off by more than a quarter of a pixel. Linear interpolation of a
+/// quadratic is off by half of the sum of λᵢ λⱼ Dᵢⱼ, where Dᵢⱼ is its second derivative over the edge between two corners:
+/// an eighth of D in the middle of an edge, a sixth in the middle of a triangle whose edges all bend alike. On the globe D
+/// is that of places on the body, as large as it is seen at most; in maps that of the map, in pixels.
 pub(crate) fn cells_by_formula(eye: &Eye, data: &Data) -> u32 {
     let bend_px = match eye.projection {
         Projection::Globe => data.bend() * RADIUS_M * px_per_metre(eye, data),
@@ -120,7 +121,7 @@ pub(crate) fn cells_by_formula(eye: &Eye, data: &Data) -> u32 {
     cells
 }
 
-/// Second derivative of the map of a place over an edge that spans all of the data, pixels.
+/// Eight times what interpolation of the map is off at a place, over cells that span all of the data; pixels.
 fn map_bend_px(eye: &Eye, data: &Data, share: DVec2) -> f64 {
     const STEP: f64 = 1.0 / 256.0;
     let px = |share: DVec2| {
@@ -134,9 +135,9 @@ fn map_bend_px(eye: &Eye, data: &Data, share: DVec2) -> f64 {
     if matches!(data.shape, Shape::Line(_)) {
         return second(x).length();
     }
-    // Edges along both sides and along the diagonal of cells.
+    // Edges along both sides and along the diagonal of cells, which may all bend alike.
     let edges = [x, y, x - y].map(|step| second(step).length());
-    edges.into_iter().fold(0.0, f64::max)
+    8.0 / 6.0 * edges.into_iter().fold(0.0, f64::max)
 }
 
 /// Twin of `DecalConstants` in `shared/decal.wgsl`.
