@@ -2,7 +2,7 @@
 //! What is drawn: data by extent and view, and how it is divided.
 
 use crate::divided::{Divided, Origin, Series, cells_by_formula};
-use crate::draws::Interface;
+use crate::interface::Interface;
 use crate::metrics::{API, DEPTH, DIVISION, EXTENT, ORIGIN, PART, PATH, PROJECTION, SERIES, VIEW};
 use crate::place::{Data, RADIUS_M};
 use crate::view::{Eye, Projection};

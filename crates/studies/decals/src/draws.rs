@@ -3,37 +3,11 @@
 
 use crate::divided::{Divided, TEXELS, VERTEX_BYTES};
 use crate::judge::number;
-use crate::on_vulkan::OnVulkan;
-use crate::on_wgpu::OnWgpu;
 use crate::place::{Data, Shape};
 use glam::DVec2;
 use std::ops::Range;
-use terrafill_contract::{CpuStopwatch, DeviceError, Devices, Picture};
+use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_study::Figures;
-
-terrafill_results::named! {
-    /// An interface that draws.
-    all pub(crate) enum Interface {
-        Wgpu = terrafill_gpu::API.name,
-        Vulkan = terrafill_vulkan::API.name,
-    }
-}
-
-impl Interface {
-    pub(crate) fn open(
-        self,
-        devices: &Devices,
-        divided: &Divided,
-    ) -> Result<Box<dyn Draws>, DeviceError> {
-        Ok(match self {
-            Self::Wgpu => Box::new(OnWgpu::new(&terrafill_gpu::shared_gpu(devices)?, divided)?),
-            Self::Vulkan => Box::new(OnVulkan::new(
-                &terrafill_vulkan::shared_gpu(devices)?,
-                divided,
-            )?),
-        })
-    }
-}
 
 /// Data on a device.
 pub(crate) trait Draws {

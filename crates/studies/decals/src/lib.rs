@@ -11,6 +11,7 @@ mod cases;
 mod chapter;
 mod divided;
 mod draws;
+mod interface;
 mod judge;
 mod metrics;
 mod on_vulkan;

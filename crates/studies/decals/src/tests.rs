@@ -5,7 +5,7 @@ use crate::DecalsStudy;
 use crate::cases::{Division, Extent, Part, Vantage, Work, groups};
 use crate::chapter::CHAPTER;
 use crate::divided::{Divided, FINE_PX, Origin, Series};
-use crate::draws::Interface;
+use crate::interface::Interface;
 use crate::judge::{Reference, number, texels};
 use crate::metrics::METRICS;
 use crate::place::{Data, Shape};
