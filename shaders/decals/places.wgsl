@@ -1,5 +1,6 @@
-// Study `decals`: one compute invocation puts a vertex of a decal where decal.wgsl does, and keeps its clip position, so
-// that it can be held against f64. Workgroups of 64, the least that all devices have.
+// Study `decals`: one compute invocation puts a vertex of a decal by the functions of decal.wgsl and keeps its clip
+// position, so that it can be held against f64. It is another stage than the one that draws: a compiler may contract
+// sums there and not here. Workgroups of 64, the least that all devices have.
 #import shared/decal.wgsl
 
 @group(0) @binding(1) var<storage, read> vertices: array<f32>;

@@ -53,11 +53,14 @@ struct DecalConstants {
 
 const QUARTER: f32 = 1.5707964;
 
-// Up to a quarter turn, where what is left out is 7e-10.
-fn sine(x: f32) -> f32 {
+// Up to half a turn. The series is one up to a quarter, where what is left out is 7e-10; beyond, the supplement has the
+// same sine, and half a turn in two parts leaves nothing of it out.
+fn sine(angle: f32) -> f32 {
     if decal.series == 1u || decal.series == 2u {
-        return x;
+        return angle;
     }
+    let half_turn = sign(angle) * vec2<f32>(3.140625, 9.67653589e-4);
+    let x = select(angle, half_turn.x - angle + half_turn.y, abs(angle) > QUARTER);
     let s = x * x;
     let last = 1.0 - s / 72.0 * (1.0 - s / 110.0 * (1.0 - s / 156.0));
     return x * (1.0 - s / 6.0 * (1.0 - s / 20.0 * (1.0 - s / 42.0 * last)));

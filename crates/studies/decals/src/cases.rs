@@ -105,7 +105,7 @@ pub(crate) enum Part {
 }
 
 /// A case.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Work {
     pub(crate) part: Part,
     pub(crate) extent: Extent,
@@ -147,6 +147,20 @@ impl Work {
         let mut all: Vec<_> = all.map(|(key, value)| (key, value.to_owned())).into();
         all.push((DIVISION, self.division.name()));
         all
+    }
+
+    /// Whether its vertices are placed once more by the device, to be read back: where their origin is compared.
+    pub(crate) fn is_read_back(&self) -> bool {
+        let is_compared = Self {
+            origin: Origin::Corner,
+            ..*self
+        };
+        let usual = Self {
+            extent: self.extent,
+            from: self.from,
+            ..USUAL
+        };
+        is_compared == usual
     }
 
     /// Its name: what its conditions say beyond the usual.

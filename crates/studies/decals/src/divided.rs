@@ -15,8 +15,12 @@ pub(crate) const TEXELS: u32 = 1_024;
 pub(crate) const MAX_CELLS: u32 = 256;
 /// How wide lines are drawn, pixels.
 pub(crate) const WIDTH_PX: f64 = 2.0;
+/// Half a step of `f32` at 1.
+const SINGLE: f64 = 1.0 / 16_777_216.0;
 /// Bytes of a vertex.
 pub(crate) const VERTEX_BYTES: usize = 12;
+/// By how much of the eye's height data is lifted where depth is tested.
+const LIFT_SHARE: f64 = 1e-3;
 /// Places along a side at which formulas are evaluated.
 const SAMPLES: u32 = 32;
 
@@ -88,14 +92,10 @@ fn px_per_metre(eye: &Eye, data: &Data) -> f64 {
     seen.fold(0.0, f64::max)
 }
 
-/// By how much data is lifted off the body where depth is tested, metres: by a quarter of a pixel at its nearest place,
-/// which is what its edges may sag. A line is as wide as it is on the picture, and half of that lies nearer to the eye.
-pub(crate) fn lift_m(eye: &Eye, data: &Data) -> f64 {
-    let half_px = match data.shape {
-        Shape::Decal(_) => 0.0,
-        Shape::Line(_) => 0.5 * WIDTH_PX,
-    };
-    (FINE_PX + half_px) / px_per_metre(eye, data)
+/// By how much data is lifted off the body where depth is tested, metres: no rule of division and no size of the picture
+/// has a part in it.
+pub(crate) fn lift_m(eye: &Eye) -> f64 {
+    LIFT_SHARE * eye.height_m
 }
 
 /// Fewest cells along a side with which nothing is off by more than a quarter of a pixel. Linear interpolation of a
@@ -175,7 +175,7 @@ pub(crate) struct DecalConstants {
 impl Divided {
     /// Of the sphere that data lies on.
     fn radius_m(&self) -> f64 {
-        let lift = self.is_tested.then(|| lift_m(&self.eye, &self.data));
+        let lift = self.is_tested.then(|| lift_m(&self.eye));
         RADIUS_M + lift.unwrap_or_default()
     }
 
@@ -365,6 +365,31 @@ impl Divided {
                 (0..self.cells).flat_map(segment).collect()
             }
         }
+    }
+
+    /// How far the vertices of a decal are off their exact places, which nothing has rounded: the largest distance of those
+    /// that are seen, and what rounding may make of it; pixels. None where none is seen.
+    ///
+    /// - `clips`: as the device has them, three a triangle
+    pub(crate) fn vertices_off(&self, clips: &[DVec4]) -> Option<[f64; 2]> {
+        let eye = &self.eye;
+        let side = f64::from(eye.side);
+        let (from, _) = self.frame();
+        let off = |([x, y], own): ([u32; 2], &DVec4)| {
+            let share = DVec2::new(f64::from(x), f64::from(y)) / f64::from(self.cells);
+            let (place, at) = (
+                self.data.direction(share) * self.radius_m(),
+                self.data.angles(share),
+            );
+            let exact = eye.pixel(eye.clip(place, at));
+            let scale = eye.px_per_metre(at)?;
+            // What is added up: from the origin, and from there to the eye. A few roundings of each.
+            let added_m = place.distance(from) + from.distance(eye.camera.eye);
+            let bound = 16.0 * SINGLE * (added_m * scale + side);
+            Some([exact.distance(eye.pixel(*own)), bound])
+        };
+        let all = self.grid().zip(clips).filter_map(off);
+        all.reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
 
     /// Triangles of the data.

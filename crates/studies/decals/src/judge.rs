@@ -39,6 +39,8 @@ struct Hit {
 /// Triangles as drawn, for all places of the picture.
 pub(crate) struct Reference<'a> {
     divided: &'a Divided,
+    /// Whether the body's depth hides what is behind it.
+    has_body: bool,
     facets: Vec<Facet>,
     /// Of the tiles, row by row.
     tiles: Vec<Vec<u32>>,
@@ -82,8 +84,17 @@ impl<'a> Reference<'a> {
         }
         Self {
             divided,
+            has_body: divided.is_tested,
             facets,
             tiles,
+        }
+    }
+
+    /// The same triangles where no depth is tested.
+    pub(crate) fn without_body(self) -> Self {
+        Self {
+            has_body: false,
+            ..self
         }
     }
 
@@ -105,11 +116,7 @@ impl<'a> Reference<'a> {
     fn hit(&self, at_px: DVec2) -> Option<Hit> {
         let eye = &self.divided.eye;
         let place = eye.device(at_px).extend(1.0);
-        let body = self
-            .divided
-            .is_tested
-            .then(|| eye.body_depth(at_px))
-            .flatten();
+        let body = self.has_body.then(|| eye.body_depth(at_px)).flatten();
         let hits = self.listed(at_px).filter_map(|facet| {
             let weights = facet.inverse * place;
             let sum = weights.element_sum();

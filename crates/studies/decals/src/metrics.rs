@@ -5,7 +5,7 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared API, PART, SIZE_PX, VIEW;
-    DEPTH = "depth", "whether data is drawn behind the depth of the body itself, a little lifted";
+    DEPTH = "depth", "whether data is drawn behind the depth of the body itself, lifted by a thousandth of the eye's height";
     DIVISION = "division", "cells along a side, or segments: a number, or the rule that finds it";
     EXTENT = "extent", "how large the data is";
     ORIGIN = "origin", "what vertices are about: the data's corner, or the body's centre";
@@ -67,6 +67,13 @@ terrafill_results::metrics! {
          edge of the exact line; largest.",
     )
     .or("nothing of it is seen");
+    DECAL_MAX_MIL = Metric::error(
+        "decal_max_mil",
+        "‰",
+        "The same as a share of the picture's side, which does not depend on its size: 1 ‰ is a pixel of the window of \
+         1000 × 1000 in Table 1 of Gebbie and Bailey.",
+    )
+    .or("nothing of it is seen");
     DECAL_PX_P99 = Metric::error_px("decal_px_p99", "The same, 99 % of the pixels.").or("nothing of it is seen");
     DECAL_PX_MEDIAN = Metric::error_px("decal_px_median", "The same, median of the pixels.").or("nothing of it is seen");
     DECAL_EXTRA_PX = Metric::error_px(
@@ -81,14 +88,15 @@ terrafill_results::metrics! {
     .or("of lines their distance says it");
     DECAL_VERTEX_PX = Metric::error_px(
         "decal_vertex_px",
-        "Of vertices in the picture, largest distance from f64 of where the device's arithmetic places them.",
+        "Of vertices that are seen, largest distance of where the device's f32 places them from their exact place, of which \
+         nothing is rounded. A compute shader places them by the functions that the vertex stage has.",
     )
-    .or("vertices are read back where their origin is compared");
+    .or("vertices are read back where their origin is compared, and one is seen");
     DECAL_HIDDEN_SHARE = Metric::error(
         "decal_hidden_share",
         "",
         "Share of the data's pixels that the body's depth hides, though the data lies on the body and is lifted by a \
-         quarter of a pixel, a line by half of its width as well.",
+         thousandth of the eye's height: pixels shown against those of the same triangles in f64 without the body.",
     )
     .or("depth is not tested");
     DECAL_CELLS = Metric::counter("decal_cells", "Cells along a side of the decal, or segments of the line.");

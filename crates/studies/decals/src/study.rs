@@ -10,7 +10,6 @@ use crate::judge::{Errors, Reference};
 use crate::metrics::*;
 use crate::on_wgpu;
 use crate::pictures;
-use crate::view::Eye;
 use std::collections::BTreeMap;
 use terrafill_contract::{DeviceError, ids_of, numbers_hash};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
@@ -131,7 +130,8 @@ pub(crate) struct Shown {
     divided: Divided,
     numbers: Vec<u32>,
     corners: Vec<Corner>,
-    vertex_px: Option<f64>,
+    /// Distance and bound of [`Divided::vertices_off`].
+    vertices_off: Option<[f64; 2]>,
     counted: Option<Counted>,
 }
 
@@ -140,19 +140,6 @@ struct DecalSession<'a> {
     context: Context<'a>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn Draws>>,
-}
-
-/// Corners with clip positions of the device's, and how far these are off where they are on the picture.
-fn as_on_device(eye: &Eye, mut corners: Vec<Corner>, clips: &[glam::DVec4]) -> (Vec<Corner>, f64) {
-    let mut worst = 0.0_f64;
-    for (corner, clip) in corners.iter_mut().zip(clips) {
-        let (exact_px, own_px) = (eye.pixel(corner.clip), eye.pixel(*clip));
-        if exact_px.min_element() >= 0.0 && exact_px.max_element() <= f64::from(eye.side) {
-            worst = worst.max(exact_px.distance(own_px));
-        }
-        corner.clip = *clip;
-    }
-    (corners, worst)
 }
 
 impl DecalSession<'_> {
@@ -189,12 +176,17 @@ impl Shows for DecalSession<'_> {
         let numbers = ids_of(&draws.read()?);
         self.opened.insert(case, draws);
         let mut corners = divided.corners();
-        let mut vertex_px = None;
-        if work.origin == Origin::Centre {
+        let mut vertices_off = None;
+        if work.is_read_back() {
             let gpu = terrafill_gpu::shared_gpu(self.context.devices)?;
             let clips = on_wgpu::clips(&gpu, &divided)?;
-            let (moved, worst) = as_on_device(&divided.eye, corners, &clips);
-            (corners, vertex_px) = (moved, Some(worst));
+            vertices_off = divided.vertices_off(&clips);
+            // About the centre they are off by more than the band: then pictures are held against the device's own.
+            if work.origin == Origin::Centre {
+                for (corner, clip) in corners.iter_mut().zip(clips) {
+                    corner.clip = clip;
+                }
+            }
         }
         let counts = counted.map(|of| format!("-{}-{}", of.cells, of.px));
         let hash = numbers_hash(&numbers) + &counts.unwrap_or_default();
@@ -204,7 +196,7 @@ impl Shows for DecalSession<'_> {
                 divided,
                 numbers,
                 corners,
-                vertex_px,
+                vertices_off,
                 counted,
             },
         ))
@@ -215,7 +207,7 @@ impl Shows for DecalSession<'_> {
             divided,
             numbers,
             corners,
-            vertex_px,
+            vertices_off,
             counted,
         } = shown;
         let work = &self.group.work.works[case];
@@ -243,22 +235,27 @@ impl Shows for DecalSession<'_> {
         }
         let names = [DECAL_PX_MAX, DECAL_PX_P99, DECAL_PX_MEDIAN].map(|metric| metric.name);
         figures.extend(names.into_iter().zip(errors.spread().into_iter().flatten()));
-        figures.extend(vertex_px.map(|px| (DECAL_VERTEX_PX.name, px)));
+        let of_side = errors
+            .spread()
+            .map(|[most, ..]| most * 1e3 / f64::from(divided.eye.side));
+        figures.extend(of_side.map(|share| (DECAL_MAX_MIL.name, share)));
+        figures.extend(vertices_off.map(|[px, _]| (DECAL_VERTEX_PX.name, px)));
         if divided.is_tested {
-            let untested = Divided {
-                is_tested: false,
-                ..divided
-            };
-            let all = Reference::new(&untested, &untested.corners()).picture();
+            let all = reference.without_body().picture();
             let all = all.iter().flatten().count();
             let hidden = 1.0 - found.shown as f64 / all.max(1) as f64;
-            figures.push((DECAL_HIDDEN_SHARE.name, hidden.max(0.0)));
+            figures.push((DECAL_HIDDEN_SHARE.name, hidden));
         }
         let mut reason = match found.mismatched {
             0 if found.shown == 0 && !divided.is_tested => "it shows nothing".to_owned(),
             0 => String::new(),
             mismatched => format!("{mismatched} pixels show what the reference does not allow"),
         };
+        if let Some([px, bound]) = vertices_off
+            && px > bound
+        {
+            reason = format!("vertices are {px} px off, and rounding explains {bound}");
+        }
         if let Some(counted) = counted {
             let off = counted.px.abs_diff(found.shown as u64);
             figures.push((DECAL_FRAMES.name, f64::from(counted.frames)));
