@@ -64,7 +64,8 @@ fn is_plain(case: &Case, part: &str) -> bool {
 const DIVIDED: Section<'static> = Section {
     title: "Decals by how finely they are divided",
     text: "A fixed number of cells along a side, 1 and the paper's 10; as many as the formula says; or twice as many in each \
-           frame, until precise occlusion queries of Vulkan count no more pixels, which is the paper's own rule.",
+           frame, until precise occlusion queries of Vulkan count no more pixels, which is the paper's own rule. 320 and 448 are \
+           32 × 32 decals side by side as vertices of one draw, of 10 × 10 cells each and of 14 × 14: twice as many vertices.",
     cases: Select::Fitting(|case| is_plain(case, "decal") && case.condition(PROJECTION) == "globe"),
     named_by: Names::Columns(&[
         ("extent", EXTENT),
@@ -86,6 +87,7 @@ const DIVIDED: Section<'static> = Section {
         Column::metric("missing px", DECAL_MISSING_PX),
         Column::metric("px in the band", DECAL_BAND_PX),
         Column::metric("frames", DECAL_FRAMES),
+        Column::metric("dividing, CPU ms", DECAL_DIVIDE_CPU_MS),
         Column::metric("counted, px", DECAL_COUNTED_PX),
     ],
     is_main: true,
@@ -260,23 +262,86 @@ fn second_order_is_enough(cases: &Cases<'_>) -> Finding {
 const MAPS: Section<'static> = Section {
     title: "Decals in other projections",
     text: "A continent's decal on a flat map, a hyperbolic one and a dome, whose vertices the same shader places. The \
-           formula takes second derivatives of the map itself.",
+           formula takes second derivatives of the map itself. Counted elsewhere, a decal is divided as its counts find it \
+           obliquely, and drawn from above.",
     cases: Select::Fitting(|case| {
         case.condition(PART) == "decal" && case.condition(PROJECTION) != "globe"
     }),
-    named_by: Names::Columns(&[("projection", PROJECTION), ("division", DIVISION)]),
+    named_by: Names::Columns(&[
+        ("projection", PROJECTION),
+        ("view", VIEW),
+        ("division", DIVISION),
+        ("interface", API),
+    ]),
     columns: &[
         Column::metric("cells", DECAL_CELLS),
+        Column::metric("shown, px", DECAL_SHOWN_PX),
         Column::of("draw, {unit}", TIME),
         Column::metric("px off, largest", DECAL_PX_MAX),
         Column::metric("99 %", DECAL_PX_P99),
         Column::metric("missing px", DECAL_MISSING_PX),
         Column::metric("frames", DECAL_FRAMES),
     ],
-    findings: &[formula_is_fine],
+    findings: &[
+        formula_is_fine,
+        some_get_smaller,
+        counts_may_fail,
+        counts_are_of_their_place,
+    ],
     pictures: &[("picture", "")],
     ..Section::EMPTY
 };
+
+/// What is smaller: more than the band along the edges has.
+const SMALLER: f64 = 0.01;
+
+fn some_get_smaller(cases: &Cases<'_>) -> Finding {
+    let pairs = cases.pairs(DIVISION, ["1", "10"], &[]);
+    let ratios = pairs.iter().filter_map(|pair| {
+        let [one, ten] = pair.map(|case| case.value(DECAL_SHOWN_PX));
+        Some((pair[1], ten? / one?))
+    });
+    let least = ratios.min_by(|a, b| a.1.total_cmp(&b.1));
+    finding(
+        "Gebbie & Bailey: in some projection a decal gets smaller as it is divided",
+        least.map(|(_, ratio)| ratio <= 1.0 - SMALLER),
+        least.map_or_else(String::new, |(case, ratio)| {
+            format!(
+                "{} × the pixels of one cell, in {}.",
+                significant(ratio),
+                case.id().name
+            )
+        }),
+    )
+}
+
+fn counts_may_fail(cases: &Cases<'_>) -> Finding {
+    let found = worst(cases, "query");
+    finding(
+        "Gebbie & Bailey: in some projection counted pixels fail to divide enough",
+        found.map(|(_, px)| px > 1.0),
+        found.map_or_else(String::new, said),
+    )
+}
+
+fn counts_are_of_their_place(cases: &Cases<'_>) -> Finding {
+    let pairs = cases.pairs(DIVISION, ["elsewhere", "query"], &[]);
+    let ratios = pairs.iter().filter_map(|pair| {
+        let [there, here] = pair.map(|case| case.value(DECAL_PX_MAX));
+        Some(there? / here?)
+    });
+    let least = ratios.min_by(f64::total_cmp);
+    finding(
+        "Gebbie & Bailey: what is counted elsewhere is less appropriate",
+        least.map(|ratio| ratio > 1.0),
+        least.map_or_else(String::new, |ratio| {
+            format!(
+                "{} × the error of what is counted in its own view, or more.",
+                significant(ratio)
+            )
+        }),
+    )
+}
 
 const LINES: Section<'static> = Section {
     title: "Lines",
@@ -289,6 +354,7 @@ const LINES: Section<'static> = Section {
         ("view", VIEW),
         ("projection", PROJECTION),
         ("division", DIVISION),
+        ("interface", API),
     ]),
     columns: &[
         Column::metric("segments", DECAL_CELLS),
@@ -317,6 +383,7 @@ const TESTED: Section<'static> = Section {
         ("extent", EXTENT),
         ("view", VIEW),
         ("division", DIVISION),
+        ("interface", API),
     ]),
     columns: &[
         Column::metric("cells", DECAL_CELLS),

@@ -106,6 +106,10 @@ pub(crate) fn cells_by_formula(eye: &Eye, data: &Data) -> u32 {
     let bend_px = match eye.projection {
         Projection::Globe => data.bend() * RADIUS_M * px_per_metre(eye, data),
         _ => samples(data.shape)
+            .filter(|share| {
+                let place = data.direction(*share) * RADIUS_M;
+                eye.horizon().dot(place.extend(1.0)) >= 0.0
+            })
             .map(|share| map_bend_px(eye, data, share))
             .fold(0.0, f64::max),
     };

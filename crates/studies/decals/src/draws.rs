@@ -17,6 +17,9 @@ pub(crate) trait Draws {
     /// What was drawn.
     fn read(&self) -> Result<Picture, DeviceError>;
 
+    /// Sends vertices of the same data, divided otherwise.
+    fn divide(&mut self, divided: &Divided) -> Result<(), DeviceError>;
+
     /// Samples of the data that passed the depth test, by a precise query.
     fn count(&mut self) -> Result<u64, DeviceError>;
 }
@@ -54,7 +57,8 @@ pub(crate) fn ranges(divided: &Divided) -> Vec<Range<u32>> {
 
 /// Bytes of vertices that are sent once.
 pub(crate) fn sent_bytes(divided: &Divided) -> usize {
-    divided.vertices().len() * VERTEX_BYTES
+    let vertices = ranges(divided).last().map_or(0, |range| range.end as usize);
+    vertices * VERTEX_BYTES
 }
 
 /// Texels that say their own address, row by row from the decal's corner.

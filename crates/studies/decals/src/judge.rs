@@ -90,12 +90,24 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// The same triangles where no depth is tested.
-    pub(crate) fn without_body(self) -> Self {
-        Self {
-            has_body: false,
-            ..self
-        }
+    /// The same triangles where the body hides what is behind it, or nothing.
+    pub(crate) fn with_body(self, has_body: bool) -> Self {
+        Self { has_body, ..self }
+    }
+
+    /// Pixels that show data: those that do all over the band about their centre, and those that may.
+    pub(crate) fn counts(&self) -> [u64; 2] {
+        let places: Vec<DVec2> = centres(self.divided.eye.size()).collect();
+        let one = |at: &DVec2| {
+            let hits = || around(BAND_PX).map(|off| self.hit(*at + off));
+            let is_sure = hits().all(|hit| hit.is_some_and(|hit| !hit.is_unsure));
+            [
+                u64::from(is_sure),
+                u64::from(hits().any(|hit| hit.is_some())),
+            ]
+        };
+        let all = places.par_iter().map(one);
+        all.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
     }
 
     /// Triangles that may be at a place.

@@ -14,6 +14,7 @@ terrafill_results::conditions! {
     SERIES = "series", "order of the series that stand for sine and cosine";
     "formula" = "as many cells as keep edges within a quarter of a pixel, by a bound of the second derivative";
     "query" = "twice as many in each frame, until precise occlusion queries count no more pixels";
+    "elsewhere" = "as counted pixels find it obliquely, drawn from above";
     "campus" = "0.04° of latitude: some 4.4 km, as published";
     "city" = "0.5° of latitude";
     "country" = "8° of latitude";
@@ -49,6 +50,16 @@ terrafill_results::metrics! {
     DECAL_GPU_MS = Metric::time_ms("decal_gpu_ms", "GPU time of the pass that draws the data.")
         .covering(Scope::DEVICE)
         .ranking(Primary::Gpu);
+    DECAL_DIVIDE_CPU_MS = Metric::time_ms(
+        "decal_divide_cpu_ms",
+        "Process CPU time of finding the number of cells: of the formula, or of every frame that counts, with the upload of \
+         its vertices, drawing, waiting and reading the count, and the upload of what was found.",
+    )
+    .covering(Scope::PLAN.and(Scope::FRAME))
+    .or("the number of cells is known before");
+    DECAL_DIVIDE_WALL_MS = Metric::time_ms("decal_divide_wall_ms", "Wall clock over the same span.")
+        .covering(Scope::PLAN.and(Scope::FRAME))
+        .or("the number of cells is known before");
     DECAL_MISMATCHED_PX = Metric::error_px(
         "decal_mismatched_px",
         "Pixels that show another texel, or part of a line, than the triangles as drawn allow in f64, outside of the band \
@@ -101,7 +112,7 @@ terrafill_results::metrics! {
     .or("depth is not tested");
     DECAL_CELLS = Metric::counter("decal_cells", "Cells along a side of the decal, or segments of the line.");
     DECAL_TRIANGLES = Metric::counter("decal_triangles", "Triangles of the data.");
-    DECAL_SENT_BYTES = Metric::bytes("decal_sent_bytes", "Bytes of vertices that are sent once.");
+    DECAL_SENT_BYTES = Metric::bytes("decal_sent_bytes", "Bytes of vertices that are sent before the frame, of all levels that are counted.");
     DECAL_FRAME_BYTES = Metric::bytes("decal_frame_bytes", "Bytes of constants that are sent in each frame.");
     DECAL_FRAMES = Metric::counter("decal_frames", "Frames until counted pixels stop the division.")
         .or("the number of cells is known before");
@@ -114,7 +125,8 @@ terrafill_results::metrics! {
     .or("nothing is counted");
     DECAL_MISCOUNTED_PX = Metric::error_px(
         "decal_miscounted_px",
-        "Difference of that number from the pixels that show the data.",
+        "By how many that number lies outside of the pixels that f64 says: from those that show data all over the band \
+         about their centre to those that may.",
     )
     .or("nothing is counted");
 }

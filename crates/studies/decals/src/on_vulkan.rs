@@ -52,13 +52,11 @@ impl OnVulkan {
             format: VertexFormat::Metres,
             topology: Topology::Triangles,
         };
-        let vertices = divided.vertices();
-        let bytes = bytemuck::cast_slice(&vertices);
         let side = divided.eye.side;
         Ok(Self {
             targets: RenderTargets::new(gpu, ImageSize::new(side, side))?,
             pipeline: DrawPipeline::new(gpu, &resources, stages, shader("fragment_main"))?,
-            vertices: Buffer::upload(gpu, "decal", bytes, BufferUse::Vertex)?,
+            vertices: uploaded(gpu, divided)?,
             constants,
             sent: divided.constants(),
             ranges: ranges(divided),
@@ -77,6 +75,12 @@ impl OnVulkan {
     }
 }
 
+fn uploaded(gpu: &Arc<Gpu>, divided: &Divided) -> Result<Buffer, DeviceError> {
+    let vertices = divided.vertices();
+    let bytes = bytemuck::cast_slice(&vertices);
+    Buffer::upload(gpu, "decal", bytes, BufferUse::Vertex)
+}
+
 impl Draws for OnVulkan {
     fn frame(&mut self) -> Result<Option<f64>, DeviceError> {
         Ok(self.draw(Measured::Times)?.gpu_ms)
@@ -84,6 +88,13 @@ impl Draws for OnVulkan {
 
     fn read(&self) -> Result<Picture, DeviceError> {
         self.targets.read()
+    }
+
+    fn divide(&mut self, divided: &Divided) -> Result<(), DeviceError> {
+        self.vertices = uploaded(&self.gpu, divided)?;
+        self.sent = divided.constants();
+        self.ranges = ranges(divided);
+        Ok(())
     }
 
     fn count(&mut self) -> Result<u64, DeviceError> {

@@ -52,8 +52,6 @@ impl OnWgpu {
             constants.as_entire_binding(),
             wgpu::BindingResource::TextureView(&texture),
         ];
-        let vertices = divided.vertices();
-        let bytes = bytemuck::cast_slice(&vertices);
         let side = divided.eye.side;
         Ok(Self {
             pipeline: gpu.direct_pipeline(&DirectPipeline {
@@ -64,7 +62,7 @@ impl OnWgpu {
                 layout: &layout,
             })?,
             bound: gpu.bind("decal", &layout, resources),
-            vertices: gpu.upload("decal", bytes, wgpu::BufferUsages::VERTEX)?,
+            vertices: uploaded(gpu, divided)?,
             constants,
             sent: divided.constants(),
             ranges: ranges(divided),
@@ -72,6 +70,15 @@ impl OnWgpu {
             gpu: Arc::clone(gpu),
         })
     }
+}
+
+fn uploaded(gpu: &Gpu, divided: &Divided) -> Result<wgpu::Buffer, DeviceError> {
+    let vertices = divided.vertices();
+    gpu.upload(
+        "decal",
+        bytemuck::cast_slice(&vertices),
+        wgpu::BufferUsages::VERTEX,
+    )
 }
 
 impl Draws for OnWgpu {
@@ -94,6 +101,13 @@ impl Draws for OnWgpu {
 
     fn read(&self) -> Result<Picture, DeviceError> {
         self.targets.read()
+    }
+
+    fn divide(&mut self, divided: &Divided) -> Result<(), DeviceError> {
+        self.vertices = uploaded(&self.gpu, divided)?;
+        self.sent = divided.constants();
+        self.ranges = ranges(divided);
+        Ok(())
     }
 
     fn count(&mut self) -> Result<u64, DeviceError> {

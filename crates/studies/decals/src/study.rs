@@ -11,7 +11,7 @@ use crate::metrics::*;
 use crate::on_wgpu;
 use crate::pictures;
 use std::collections::BTreeMap;
-use terrafill_contract::{DeviceError, ids_of, numbers_hash};
+use terrafill_contract::{CpuStopwatch, DeviceError, ids_of, numbers_hash};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Planned, Request, Shows, Study,
@@ -44,7 +44,7 @@ impl Study for DecalsStudy {
         let samples = request.samples.unwrap_or(SAMPLES);
         let keeps_all = request.settings.contains_key(PICTURES);
         let is_quick = request.depth == Depth::Quick;
-        let groups = groups(is_quick, request.depth == Depth::Full).into_iter();
+        let groups = groups(is_quick).into_iter();
         let group = |works| Box::new(group(works, side, samples, keeps_all)) as Box<dyn Group>;
         Ok(Planned {
             groups: groups.map(group).collect(),
@@ -103,6 +103,22 @@ pub(crate) struct Counted {
     pub(crate) px: u64,
 }
 
+/// Divides by counted pixels what is opened, leaves it so divided, and says how many bytes of vertices were sent.
+fn counted(draws: &mut dyn Draws, work: &Work, side: u32) -> Result<(Counted, usize), DeviceError> {
+    let mut bytes = 0;
+    let count = |cells| {
+        let divided = work.counted(side, cells);
+        bytes += sent_bytes(&divided);
+        draws.divide(&divided)?;
+        draws.count()
+    };
+    let found = by_counts(count)?;
+    let divided = work.divided(side, Some(found.cells));
+    bytes += sent_bytes(&divided);
+    draws.divide(&divided)?;
+    Ok((found, bytes))
+}
+
 /// Divides twice as finely in each frame until no more pixels are counted, as the paper says it: then the division before
 /// was fine enough.
 ///
@@ -133,6 +149,7 @@ pub(crate) struct Shown {
     /// Distance and bound of [`Divided::vertices_off`].
     vertices_off: Option<[f64; 2]>,
     counted: Option<Counted>,
+    sent_bytes: usize,
 }
 
 struct DecalSession<'a> {
@@ -143,18 +160,6 @@ struct DecalSession<'a> {
 }
 
 impl DecalSession<'_> {
-    fn cells(&self, work: &Work) -> Result<Option<Counted>, DeviceError> {
-        if work.division != Division::Query {
-            return Ok(None);
-        }
-        let side = self.group.work.side;
-        let count = |cells| {
-            let divided = work.divided(side, Some(cells));
-            work.interface.open(self.context.devices, &divided)?.count()
-        };
-        by_counts(count).map(Some)
-    }
-
     /// Whether a case's picture is kept in every run.
     fn is_pictured(&self, work: &Work) -> bool {
         let is_fixed = matches!(work.division, Division::Fixed(_));
@@ -169,9 +174,15 @@ impl Shows for DecalSession<'_> {
 
     fn show(&mut self, case: usize) -> Result<(String, Shown), Failure> {
         let work = self.group.work.works[case];
-        let counted = self.cells(&work)?;
-        let divided = work.divided(self.group.work.side, counted.map(|of| of.cells));
+        let side = self.group.work.side;
+        let mut divided = work.divided(side, None);
         let mut draws = work.interface.open(self.context.devices, &divided)?;
+        let (mut found, mut sent_bytes) = (None, sent_bytes(&divided));
+        if work.division.is_counted() {
+            let (own, bytes) = counted(draws.as_mut(), &work, side)?;
+            divided = work.divided(side, Some(own.cells));
+            (found, sent_bytes) = (Some(own), bytes);
+        }
         draws.frame()?;
         let numbers = ids_of(&draws.read()?);
         self.opened.insert(case, draws);
@@ -188,7 +199,7 @@ impl Shows for DecalSession<'_> {
                 }
             }
         }
-        let counts = counted.map(|of| format!("-{}-{}", of.cells, of.px));
+        let counts = found.map(|of| format!("-{}-{}", of.cells, of.px));
         let hash = numbers_hash(&numbers) + &counts.unwrap_or_default();
         Ok((
             hash,
@@ -197,7 +208,8 @@ impl Shows for DecalSession<'_> {
                 numbers,
                 corners,
                 vertices_off,
-                counted,
+                counted: found,
+                sent_bytes,
             },
         ))
     }
@@ -209,6 +221,7 @@ impl Shows for DecalSession<'_> {
             corners,
             vertices_off,
             counted,
+            sent_bytes,
         } = shown;
         let work = &self.group.work.works[case];
         let reference = Reference::new(&divided, &corners);
@@ -226,7 +239,7 @@ impl Shows for DecalSession<'_> {
             (DECAL_SHOWN_PX.name, found.shown as f64),
             (DECAL_CELLS.name, f64::from(divided.cells)),
             (DECAL_TRIANGLES.name, divided.triangles() as f64),
-            (DECAL_SENT_BYTES.name, sent_bytes(&divided) as f64),
+            (DECAL_SENT_BYTES.name, sent_bytes as f64),
             (DECAL_FRAME_BYTES.name, size_of::<DecalConstants>() as f64),
         ];
         if is_decal {
@@ -241,7 +254,7 @@ impl Shows for DecalSession<'_> {
         figures.extend(of_side.map(|share| (DECAL_MAX_MIL.name, share)));
         figures.extend(vertices_off.map(|[px, _]| (DECAL_VERTEX_PX.name, px)));
         if divided.is_tested {
-            let all = reference.without_body().picture();
+            let all = reference.with_body(false).picture();
             let all = all.iter().flatten().count();
             let hidden = 1.0 - found.shown as f64 / all.max(1) as f64;
             figures.push((DECAL_HIDDEN_SHARE.name, hidden));
@@ -257,7 +270,10 @@ impl Shows for DecalSession<'_> {
             reason = format!("vertices are {px} px off, and rounding explains {bound}");
         }
         if let Some(counted) = counted {
-            let off = counted.px.abs_diff(found.shown as u64);
+            // Counted where it is divided, against f64 there: from what is sure to what may be.
+            let there = work.counted(self.group.work.side, counted.cells);
+            let [sure, most] = Reference::new(&there, &there.corners()).counts();
+            let off = sure.saturating_sub(counted.px) + counted.px.saturating_sub(most);
             figures.push((DECAL_FRAMES.name, f64::from(counted.frames)));
             figures.push((DECAL_COUNTED_PX.name, counted.px as f64));
             figures.push((DECAL_MISCOUNTED_PX.name, off as f64));
@@ -265,10 +281,7 @@ impl Shows for DecalSession<'_> {
             // horizon have some.
             let may_overlap = !is_decal || work.from == Vantage::Limb;
             if reason.is_empty() && off > 0 && !may_overlap {
-                reason = format!(
-                    "{} samples are counted, {} pixels shown",
-                    counted.px, found.shown
-                );
+                reason = format!("{} samples are counted, of {sure} to {most}", counted.px);
             }
         }
         let notes = if self.is_pictured(work) || !reason.is_empty() {
@@ -281,6 +294,22 @@ impl Shows for DecalSession<'_> {
     }
 
     fn time(&mut self, case: usize) -> Result<Figures, Failure> {
-        Ok(time(verified(&mut self.opened, case)?.as_mut())?)
+        let work = &self.group.work.works[case];
+        let side = self.group.work.side;
+        let draws = verified(&mut self.opened, case)?.as_mut();
+        let mut figures = time(draws)?;
+        let watch = CpuStopwatch::start();
+        match work.division {
+            Division::Fixed(_) => return Ok(figures),
+            Division::Formula => {
+                std::hint::black_box(work.divided(side, None));
+            }
+            Division::Query | Division::Elsewhere => {
+                counted(draws, work, side)?;
+            }
+        }
+        figures.push((DECAL_DIVIDE_CPU_MS.name, watch.cpu_ms()));
+        figures.push((DECAL_DIVIDE_WALL_MS.name, watch.wall_ms()));
+        Ok(figures)
     }
 }

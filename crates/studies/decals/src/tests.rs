@@ -70,7 +70,7 @@ fn every_case_is_as_its_triangles_say() {
         return;
     };
     let mut nearer = 0;
-    for works in groups(false, false) {
+    for works in groups(false) {
         for (work, verdict) in verdicts(&devices, works) {
             let name = work.name();
             assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
@@ -81,28 +81,6 @@ fn every_case_is_as_its_triangles_say() {
         }
     }
     assert!(nearer > 5);
-}
-
-#[test]
-fn vulkan_shows_the_same_as_its_triangles_say() {
-    let Some(devices) = devices() else {
-        return;
-    };
-    let all = groups(true, true).concat().into_iter();
-    let own = all.filter(|work| work.interface == Interface::Vulkan);
-    let own: Vec<Work> = own
-        .filter(|work| work.division != Division::Query)
-        .collect();
-    assert!(own.len() > 3);
-    for (work, verdict) in verdicts(&devices, own) {
-        assert_eq!(
-            verdict.status,
-            Status::Ok,
-            "{}: {}",
-            work.name(),
-            verdict.reason
-        );
-    }
 }
 
 /// Pixels that are wrong where this is drawn and that is wanted.
@@ -119,7 +97,7 @@ fn a_shifted_corner_a_wrong_level_swapped_axes_and_a_moved_line_are_noticed() {
     let Some(devices) = devices() else {
         return;
     };
-    let all = groups(false, false).concat();
+    let all = groups(false).concat();
     let find = |part: fn(Part) -> bool, extent, is_tested| {
         let mut own = all
             .iter()
