@@ -366,7 +366,7 @@ standard input; every column comes out again";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// Shipped scene by name, a scene file, a GeoJSON file, or a study's case by its values: STUDY/VALUE…
+    /// Shipped scene by name, a scene file, a GeoJSON file, or STUDY/VALUE… of a case
     #[arg(required_unless_present = "list_switches")]
     pub(crate) scene: Option<String>,
     #[command(flatten)]

@@ -158,7 +158,9 @@ impl<'a> Asked<'a> {
             .collect();
         let study = self.study.name();
         if let Some(value) = self.values.iter().find(|value| !values.contains(**value)) {
-            let names = values.into_iter().filter(|value| !value.is_empty());
+            // Of numbers there are too many, and a word is what was meant.
+            let is_word = |value: &&str| !value.is_empty() && value.parse::<f64>().is_err();
+            let names = values.into_iter().filter(is_word);
             let mut message = format!(
                 "{study}: found {value:?}, allowed: {}",
                 choices(value, names)

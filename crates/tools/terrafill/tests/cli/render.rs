@@ -949,9 +949,9 @@ fn a_case_of_a_study_is_drawn_judged_and_named() {
         let size = ["--size", "96", "--check", "--out", "a.png"];
         desk.run(&[&["render"], arguments, &size[..]].concat())
     };
-    let drawn = render(&["globes/bare", "--view", "globe"]);
+    let drawn = render(&["decals/campus", "--view", "nadir"]);
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    assert!(drawn.stderr.contains("view=globe"), "{}", drawn.stderr);
+    assert!(drawn.stderr.contains("view=nadir"), "{}", drawn.stderr);
     let picture = image::open(desk.path("a.png")).expect("a picture");
     assert_eq!((picture.width(), picture.height()), (96, 96));
     // Negative controls: what no case has, and what only scenes have.
@@ -960,9 +960,9 @@ fn a_case_of_a_study_is_drawn_judged_and_named() {
             ["globes/barer", "--view", "globe"],
             "did you mean \"bare\"?",
         ),
-        (["globes/bare", "--view", "cellar"], "--view globe"),
+        (["decals/campus", "--view", "cellar"], "nadir"),
         (
-            ["globes/bare", "--technique", "vertex"],
+            ["decals/campus", "--technique", "vertex"],
             "allowed: with a scene",
         ),
     ] {
