@@ -329,7 +329,9 @@ impl<'a> Rays<'a> {
 /// Whether a triangle that may be thinner than the band lies within it and is seen.
 ///
 /// - `corners`: on the picture, pixels, and away from the eye
-fn is_thin_at(at: DVec2, corners: [(DVec2, f64); 3], hits: &[Option<Hit>]) -> bool {
+/// - `hits`: what is met about the place, within the band
+#[must_use]
+pub fn is_thin_at(at: DVec2, corners: [(DVec2, f64); 3], hits: &[Option<Hit>]) -> bool {
     let nearest = corners
         .iter()
         .map(|corner| corner.1)

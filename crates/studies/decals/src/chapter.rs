@@ -346,7 +346,7 @@ fn counts_are_of_their_place(cases: &Cases<'_>) -> Finding {
 const LINES: Section<'static> = Section {
     title: "Lines",
     text: "Two pixels wide, along a great circle or a parallel, as one segment, ten, or by the rules. The error of a pixel is \
-           its distance from the edge of the exact line.",
+           its distance from the edge of the exact line at the part that it shows.",
     cases: Select::Fitting(|case| is_plain(case, "line")),
     named_by: Names::Columns(&[
         ("path", PATH),

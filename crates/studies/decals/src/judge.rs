@@ -5,11 +5,11 @@
 //! A pixel shows the triangle over its centre whose depth is the nearest. Another texel is allowed where one within
 //! [`BAND_PX`] of the centre has it, since devices snap vertices. Every other difference is an error.
 
-use crate::divided::{Corner, Divided, TEXELS};
+use crate::divided::{Corner, Divided, FINE_PX, TEXELS, WIDTH_PX};
 use crate::place::{RADIUS_M, Shape};
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
-use terrafill_shapes::rays::{BAND_PX, EQUAL_DEPTH, Judged, around, centres, distance_to_triangle};
+use terrafill_shapes::rays::{self, BAND_PX, EQUAL_DEPTH, Judged, around, centres, is_thin_at};
 
 /// A side of a tile of the picture, whose triangles are listed.
 const TILE_PX: u32 = 8;
@@ -27,9 +27,26 @@ struct Facet {
     at_px: [DVec2; 3],
 }
 
+impl Facet {
+    /// Share of the data at a place of the picture, or at the border where the place is beyond it.
+    ///
+    /// - `place`: in clip space
+    fn nearest_share(&self, place: DVec3) -> Option<DVec2> {
+        let weights = (self.inverse * place).max(DVec3::ZERO);
+        let sum = weights.element_sum();
+        let parts = self.corners.iter().zip(weights.to_array());
+        let share = parts
+            .map(|(corner, weight)| corner.share * weight)
+            .sum::<DVec2>()
+            / sum;
+        share.is_finite().then_some(share)
+    }
+}
+
 /// What a place of the picture shows.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
+    facet: u32,
     share: DVec2,
     depth: f64,
     /// Whether rounding may decide that it is not shown.
@@ -111,7 +128,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Triangles that may be at a place.
-    fn listed(&self, at_px: DVec2) -> impl Iterator<Item = &Facet> {
+    fn listed(&self, at_px: DVec2) -> impl Iterator<Item = (u32, &Facet)> {
         let side = f64::from(self.divided.eye.side);
         let inside = at_px.clamp(DVec2::ZERO, DVec2::splat(side - 0.5));
         #[allow(
@@ -122,14 +139,20 @@ impl<'a> Reference<'a> {
         let [column, row] = [inside.x, inside.y].map(|at| at as u32 / TILE_PX);
         let across = self.divided.eye.side.div_ceil(TILE_PX);
         let listed = &self.tiles[(row * across + column) as usize];
-        listed.iter().map(|number| &self.facets[*number as usize])
+        listed
+            .iter()
+            .map(|number| (*number, &self.facets[*number as usize]))
+    }
+
+    fn place(&self, at_px: DVec2) -> DVec3 {
+        self.divided.eye.device(at_px).extend(1.0)
     }
 
     fn hit(&self, at_px: DVec2) -> Option<Hit> {
         let eye = &self.divided.eye;
-        let place = eye.device(at_px).extend(1.0);
+        let place = self.place(at_px);
         let body = self.has_body.then(|| eye.body_depth(at_px)).flatten();
-        let hits = self.listed(at_px).filter_map(|facet| {
+        let hits = self.listed(at_px).filter_map(|(number, facet)| {
             let weights = facet.inverse * place;
             let sum = weights.element_sum();
             let is_inside = weights.min_element() >= -1e-9 * weights.abs().max_element();
@@ -148,6 +171,7 @@ impl<'a> Reference<'a> {
             let is_shown = before >= 0.0 && behind < 0.0;
             let is_unsure = before.abs() < HORIZON_SLACK || behind.abs() < EQUAL_DEPTH;
             (is_shown || is_unsure).then(|| Hit {
+                facet: number,
                 share: DVec2::new(mean(|of| of.share.x), mean(|of| of.share.y)) / sum,
                 depth: if is_shown { depth } else { f64::MIN_POSITIVE },
                 is_unsure,
@@ -185,28 +209,44 @@ impl<'a> Reference<'a> {
         let Some([x, y]) = texels(self.divided.data.shape, shown) else {
             return false;
         };
-        let is_within = |low: DVec2, high: DVec2| {
+        let is_line = matches!(self.divided.data.shape, Shape::Line(_));
+        let is_within = |shares: &[DVec2]| {
             let slack = TEXEL_SLACK / f64::from(TEXELS);
+            let low = shares
+                .iter()
+                .copied()
+                .reduce(DVec2::min)
+                .unwrap_or_default();
+            let high = shares
+                .iter()
+                .copied()
+                .reduce(DVec2::max)
+                .unwrap_or_default();
             let range = |low: f64, high: f64| texel(low - slack)..=texel(high + slack);
-            let is_line = matches!(self.divided.data.shape, Shape::Line(_));
             range(low.x, high.x).contains(&x) && (is_line || range(low.y, high.y).contains(&y))
         };
-        let shares = || hits.iter().flatten().map(|hit| hit.share);
-        let low = shares().reduce(DVec2::min);
-        let high = shares().reduce(DVec2::max);
-        let is_seen = low
-            .zip(high)
-            .is_some_and(|(low, high)| is_within(low, high));
-        // Narrower than the band, it may lie between the places that were tried.
-        is_seen
-            || self.listed(at).any(|facet| {
-                let shares = facet.corners.map(|of| of.share);
-                let low = shares[0].min(shares[1]).min(shares[2]);
-                let high = shares[0].max(shares[1]).max(shares[2]);
-                let is_thin = facet.corners.iter().any(|of| of.before.abs() < 1.0)
-                    && hits.iter().any(Option::is_none);
-                is_thin && is_within(low, high) && distance_to_triangle(at, facet.at_px) <= BAND_PX
-            })
+        // Only what one triangle has within the band: where two lie far apart in the data, nothing between them may show.
+        let away = |hit: Hit| rays::Hit {
+            number: hit.facet,
+            away_m: hit.depth.recip(),
+        };
+        let met: Vec<_> = hits.iter().map(|hit| hit.map(away)).collect();
+        self.listed(at).any(|(number, facet)| {
+            if hits.iter().flatten().any(|hit| hit.facet == number) {
+                let shares =
+                    around(BAND_PX).filter_map(|off| facet.nearest_share(self.place(at + off)));
+                return is_within(&shares.collect::<Vec<_>>());
+            }
+            // Narrower than the band, it may lie between the places that were tried.
+            let corner = |of: usize| {
+                let clip = facet.corners[of].clip;
+                (facet.at_px[of], clip.w / clip.z)
+            };
+            let is_before = facet.corners.iter().any(|of| of.before >= -HORIZON_SLACK);
+            is_before
+                && is_thin_at(at, [0, 1, 2].map(corner), &met)
+                && is_within(&facet.corners.map(|of| of.share))
+        })
     }
 
     /// Holds a picture against the triangles.
@@ -264,7 +304,8 @@ pub(crate) fn texels(shape: Shape, number: u32) -> Option<[u32; 2]> {
 /// How far a picture is off the exact projection.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Errors {
-    /// Of each pixel that shows data: from its centre to where the texel that it shows belongs, pixels. Sorted.
+    /// Of each pixel that shows data: from its centre to where what it shows belongs. Of each that shows none and should,
+    /// where depth hides nothing: how far within the exact data it is. Pixels, sorted.
     pub(crate) off_px: Vec<f64>,
     /// Pixels that show data where the exact projection has none, and the reverse.
     pub(crate) extra: u64,
@@ -278,16 +319,24 @@ impl Errors {
     pub(crate) fn of_decal(divided: &Divided, numbers: &[u32], drawn: &[Option<DVec2>]) -> Self {
         let Divided { data, eye, .. } = divided;
         let places: Vec<DVec2> = centres(eye.size()).collect();
+        let inside = |share: DVec2| share.min_element() >= 0.0 && share.max_element() <= 1.0;
         let one = |((at_px, shown), drawn): ((&DVec2, &u32), &Option<DVec2>)| {
             let truth = eye.shown(*at_px).and_then(|at| data.share_of(at));
-            let inside = |share: DVec2| share.min_element() >= 0.0 && share.max_element() <= 1.0;
             let is_there = truth.is_some_and(inside);
             let Some([x, y]) = texels(data.shape, *shown) else {
-                return (None, [0, u64::from(is_there)]);
+                let has = |at: DVec2| {
+                    eye.shown(at)
+                        .and_then(|at| data.share_of(at))
+                        .is_some_and(inside)
+                };
+                let is_open = is_there && !divided.is_tested;
+                let within = is_open.then(|| within_px(*at_px, 0.01 * f64::from(eye.side), has));
+                return (within, [0, u64::from(is_there)]);
             };
             let low = DVec2::new(f64::from(x), f64::from(y)) / f64::from(TEXELS);
             let high = low + 1.0 / f64::from(TEXELS);
-            let within = drawn.or(truth).unwrap_or(low).clamp(low, high);
+            // Where the triangles have none, in the band along their border, nothing says where in its texel a pixel is.
+            let within = drawn.unwrap_or(0.5 * (low + high)).clamp(low, high);
             let place = data.direction(within) * RADIUS_M;
             let belongs = eye.pixel(eye.clip(place, data.angles(within)));
             (Some(belongs.distance(*at_px)), [u64::from(!is_there), 0])
@@ -303,40 +352,172 @@ impl Errors {
         errors
     }
 
-    /// Of a line: each shown pixel's distance from the exact line, less half of its width.
+    /// Of a line: from each shown pixel to the part that it shows, less half of the width; and from the exact ribbon's edge
+    /// to each pixel within it that shows nothing. The ribbon ends at the horizon, and straight at the line's ends.
     pub(crate) fn of_line(divided: &Divided, numbers: &[u32]) -> Self {
-        const PARTS: u32 = 4_096;
+        /// Sides of the exact line for each part that pictures tell apart.
+        const SIDES: u32 = 4;
+        const HALF_PX: f64 = 0.5 * WIDTH_PX;
         let Divided { data, eye, .. } = divided;
-        let exact: Vec<DVec2> = (0..=PARTS)
-            .map(|part| DVec2::X * f64::from(part) / f64::from(PARTS))
-            .map(|share| eye.pixel(eye.clip(data.direction(share) * RADIUS_M, data.angles(share))))
+        let last = SIDES * TEXELS;
+        let exact: Vec<(DVec2, bool)> = (0..=last)
+            .map(|at| {
+                let share = DVec2::X * f64::from(at) / f64::from(last);
+                let place = data.direction(share) * RADIUS_M;
+                let is_before = eye.horizon().dot(place.extend(1.0)) >= 0.0;
+                (eye.pixel(eye.clip(place, data.angles(share))), is_before)
+            })
             .collect();
-        let places: Vec<DVec2> = centres(eye.size()).collect();
-        let shown = places
-            .par_iter()
-            .zip(numbers)
-            .filter(|(_, shown)| **shown != 0);
-        let off = shown.map(|(at, _)| {
-            let segments = exact.windows(2).map(|ends| {
-                let side = ends[1] - ends[0];
-                let share =
-                    (*at - ends[0]).dot(side) / side.length_squared().max(f64::MIN_POSITIVE);
-                (*at - ends[0] - side * share.clamp(0.0, 1.0)).length_squared()
-            });
-            let nearest = segments.fold(f64::INFINITY, f64::min).sqrt();
-            (nearest - 0.5 * crate::divided::WIDTH_PX).max(0.0)
-        });
-        let mut off_px: Vec<f64> = off.collect();
-        off_px.sort_by(f64::total_cmp);
-        Self {
-            off_px,
-            ..Self::default()
+        // From a place to a side: its distance, and where the nearest place is along it, within it from 0 to 1.
+        let from_side = |at: DVec2, number: usize| {
+            let [(start, _), (end, _)] = [exact[number], exact[number + 1]];
+            let side = end - start;
+            let along = (at - start).dot(side) / side.length_squared().max(f64::MIN_POSITIVE);
+            ((at - start - side * along.clamp(0.0, 1.0)).length(), along)
+        };
+        let side_px = eye.side as usize;
+        let mut nearest = vec![f64::INFINITY; numbers.len()];
+        for (number, ends) in exact.windows(2).enumerate() {
+            let [(start, is_seen), (end, is_end_seen)] = [ends[0], ends[1]];
+            if !(is_seen && is_end_seen) {
+                continue;
+            }
+            let size = DVec2::splat(f64::from(eye.side));
+            let low = (start.min(end) - HALF_PX)
+                .clamp(DVec2::ZERO, size)
+                .as_usizevec2();
+            let high = (start.max(end) + HALF_PX)
+                .ceil()
+                .clamp(DVec2::ZERO, size)
+                .as_usizevec2();
+            for y in low.y..high.y {
+                for x in low.x..high.x {
+                    let (distance, along) = from_side(DVec2::new(x as f64, y as f64) + 0.5, number);
+                    let is_beyond =
+                        (number == 0 && along < 0.0) || (number + 2 == exact.len() && along > 1.0);
+                    if !is_beyond {
+                        let nearest = &mut nearest[y * side_px + x];
+                        *nearest = nearest.min(distance);
+                    }
+                }
+            }
         }
+        let mut errors = Self::default();
+        for ((at, shown), nearest) in centres(eye.size()).zip(numbers).zip(nearest) {
+            let is_there = nearest <= HALF_PX;
+            if let Some([part, _]) = texels(data.shape, *shown) {
+                let sides = (part * SIDES) as usize..((part + 1) * SIDES) as usize;
+                let off = sides
+                    .map(|side| from_side(at, side).0)
+                    .fold(f64::INFINITY, f64::min);
+                errors.off_px.push((off - HALF_PX).max(0.0));
+                errors.extra += u64::from(!is_there);
+            } else if is_there {
+                errors.missing += 1;
+                let within = (!divided.is_tested).then_some(HALF_PX - nearest);
+                errors.off_px.extend(within);
+            }
+        }
+        errors.off_px.sort_by(f64::total_cmp);
+        errors
     }
 
     /// Largest, 99 % and median; none where nothing is shown.
     pub(crate) fn spread(&self) -> Option<[f64; 3]> {
         let last = self.off_px.len().checked_sub(1)?;
         Some([last, last * 99 / 100, last / 2].map(|at| self.off_px[at]))
+    }
+}
+
+/// How far within data a place is, pixels: the largest of growing rings all of which has data, up to so much.
+fn within_px(at: DVec2, most: f64, has: impl Fn(DVec2) -> bool) -> f64 {
+    const RING: u32 = 16;
+    let is_all = |radius: f64| {
+        (0..RING).all(|step| {
+            let turn = std::f64::consts::TAU * f64::from(step) / f64::from(RING);
+            has(at + radius * DVec2::from_angle(turn))
+        })
+    };
+    let rings = std::iter::successors(Some(0.25 * FINE_PX), |radius| Some(1.25 * radius));
+    let own = rings.take_while(|radius| *radius <= most && is_all(*radius));
+    own.last().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::{Division, Extent, Part, Vantage, groups};
+
+    const SIDE: u32 = 128;
+
+    fn found(part: Part, division: Division) -> Divided {
+        let all = groups(false).concat();
+        let fits = |work: &&crate::cases::Work| {
+            let is_own = (work.part, work.division) == (part, division);
+            is_own && (work.extent, work.from) == (Extent::Continent, Vantage::Oblique)
+        };
+        all.iter().find(fits).expect("a case").divided(SIDE, None)
+    }
+
+    /// What the triangles show, and how far it is off where it is moved down by so many pixels.
+    fn shown(divided: &Divided, down: usize) -> (Vec<u32>, Errors) {
+        let reference = Reference::new(divided, &divided.corners());
+        let truth = reference.picture();
+        let number = |share: &Option<DVec2>| share.map_or(0, |share| reference.number_of(share));
+        let mut numbers: Vec<u32> = truth.iter().map(number).collect();
+        numbers.rotate_right(down * SIDE as usize);
+        let mut moved = truth;
+        moved.rotate_right(down * SIDE as usize);
+        let errors = of(divided, &numbers, &moved);
+        (numbers, errors)
+    }
+
+    fn of(divided: &Divided, numbers: &[u32], drawn: &[Option<DVec2>]) -> Errors {
+        match divided.data.shape {
+            Shape::Decal(_) => Errors::of_decal(divided, numbers, drawn),
+            Shape::Line(_) => Errors::of_line(divided, numbers),
+        }
+    }
+
+    #[test]
+    fn a_picture_that_is_moved_is_off_by_as_much() {
+        let line = Part::Line {
+            is_great_circle: false,
+        };
+        for part in [Part::Decal, line] {
+            let fine = found(part, Division::Formula);
+            let (_, errors) = shown(&fine, 0);
+            assert!(
+                errors.spread().expect("shown")[0] <= FINE_PX,
+                "{part:?} {errors:?}"
+            );
+            let (_, errors) = shown(&fine, 4);
+            let most = errors.spread().expect("shown")[0];
+            assert!((3.5..4.5).contains(&most), "{part:?} {most}");
+            assert!(errors.extra > 20 && errors.missing > 20, "{part:?}");
+            // One cell is off by pixels.
+            let (_, errors) = shown(&found(part, Division::Fixed(1)), 0);
+            assert!(errors.spread().expect("shown")[0] > 2.0, "{part:?}");
+        }
+    }
+
+    #[test]
+    fn a_line_that_stops_half_way_misses_half_of_its_pixels() {
+        let line = Part::Line {
+            is_great_circle: false,
+        };
+        let fine = found(line, Division::Formula);
+        let (mut numbers, whole) = shown(&fine, 0);
+        let count = whole.off_px.len() as u64;
+        for number in &mut numbers {
+            *number = if *number > TEXELS / 2 { 0 } else { *number };
+        }
+        let half = Errors::of_line(&fine, &numbers);
+        assert!(
+            half.missing > count / 3 && whole.missing < count / 10,
+            "{}",
+            half.missing
+        );
+        assert!(half.spread().expect("shown")[0] > 2.0 * FINE_PX);
     }
 }

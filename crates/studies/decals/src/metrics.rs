@@ -74,8 +74,9 @@ terrafill_results::metrics! {
     DECAL_SHOWN_PX = Metric::neither("decal_shown_px", "px", Kind::DriverCounter, "Pixels that show the data.");
     DECAL_PX_MAX = Metric::error_px(
         "decal_px_max",
-        "From a pixel's centre to where what it shows belongs: by a decal's address and the exact projection, or to the \
-         edge of the exact line; largest.",
+        "From a pixel's centre to where what it shows belongs by the exact projection: the place of a decal's address, or the \
+         edge of a line at the part that it shows. Where depth is not tested, also how far within the exact data a pixel \
+         is that shows none, a hundredth of the picture at most. Largest.",
     )
     .or("nothing of it is seen");
     DECAL_MAX_MIL = Metric::error(
@@ -89,14 +90,12 @@ terrafill_results::metrics! {
     DECAL_PX_MEDIAN = Metric::error_px("decal_px_median", "The same, median of the pixels.").or("nothing of it is seen");
     DECAL_EXTRA_PX = Metric::error_px(
         "decal_extra_px",
-        "Pixels that show the decal where the exact projection has none of it.",
-    )
-    .or("of lines their distance says it");
+        "Pixels that show the data where the exact projection has none of it.",
+    );
     DECAL_MISSING_PX = Metric::error_px(
         "decal_missing_px",
-        "Pixels that show none of the decal where the exact projection has it.",
-    )
-    .or("of lines their distance says it");
+        "Pixels that show none of the data where the exact projection has it.",
+    );
     DECAL_VERTEX_PX = Metric::error_px(
         "decal_vertex_px",
         "Of vertices that are seen, largest distance of where the device's f32 places them from their exact place, of which \

@@ -242,10 +242,8 @@ impl Shows for DecalSession<'_> {
             (DECAL_SENT_BYTES.name, sent_bytes as f64),
             (DECAL_FRAME_BYTES.name, size_of::<DecalConstants>() as f64),
         ];
-        if is_decal {
-            figures.push((DECAL_EXTRA_PX.name, errors.extra as f64));
-            figures.push((DECAL_MISSING_PX.name, errors.missing as f64));
-        }
+        figures.push((DECAL_EXTRA_PX.name, errors.extra as f64));
+        figures.push((DECAL_MISSING_PX.name, errors.missing as f64));
         let names = [DECAL_PX_MAX, DECAL_PX_P99, DECAL_PX_MEDIAN].map(|metric| metric.name);
         figures.extend(names.into_iter().zip(errors.spread().into_iter().flatten()));
         let of_side = errors
