@@ -377,6 +377,7 @@ fn on_vulkan(works: &[Work]) -> Vec<Work> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::place::direction;
     use std::collections::BTreeSet;
 
     #[test]
@@ -398,9 +399,16 @@ mod tests {
             let (eye, data) = (divided.eye, divided.data);
             let share = DVec2::splat(0.5);
             let at = eye.pixel(eye.clip(data.direction(share) * RADIUS_M, data.angles(share)));
-            let off = (at - DVec2::splat(128.0)).length();
+            let off = (at - DVec2::splat(128.0)).abs().max_element();
             let is_map = divided.eye.projection != Projection::Globe;
-            assert!(off < 1e-6 || is_map, "{}: {at}", works[0].name());
+            let most = if is_map { 128.0 } else { 1e-6 };
+            assert!(off < most, "{}: {at}", works[0].name());
+            // Negative control: data on the other side of the body.
+            let other = data.corner + DVec2::X * std::f64::consts::PI;
+            let at = eye.pixel(eye.clip(direction(other) * RADIUS_M, other));
+            let off = (at - DVec2::splat(128.0)).abs().max_element();
+            let is_before = eye.horizon().dot((direction(other) * RADIUS_M).extend(1.0)) >= 0.0;
+            assert!(off > 1.0 && !(is_before && off < 128.0 && !is_map), "{at}");
         }
     }
 }

@@ -176,6 +176,9 @@ pub(crate) struct DecalConstants {
     padding: u32,
 }
 
+/// Corners of a quad's two triangles, by column and row.
+const CORNERS: [[u32; 2]; 6] = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 1], [1, 0]];
+
 impl Divided {
     /// Of the sphere that data lies on.
     fn radius_m(&self) -> f64 {
@@ -259,8 +262,7 @@ impl Divided {
     fn grid(&self) -> impl Iterator<Item = [u32; 2]> {
         let cells = self.cells;
         let all = (0..cells).flat_map(move |y| (0..cells).map(move |x| [x, y]));
-        let corners = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 1], [1, 0]];
-        all.flat_map(move |[x, y]| corners.map(|[right, up]| [x + right, y + up]))
+        all.flat_map(move |[x, y]| CORNERS.map(|[right, up]| [x + right, y + up]))
     }
 
     /// Vertices as they are sent; before them a triangle over all of the picture where depth is tested.
@@ -357,10 +359,9 @@ impl Divided {
                     let along = ends[1].clip.truncate().truncate() / ends[1].clip.w
                         - ends[0].clip.truncate().truncate() / ends[0].clip.w;
                     let aside = along.perp().normalize() * (0.5 * WIDTH_PX / self.eye.half_px());
-                    let corners = [[0, 0], [1, 0], [0, 1], [1, 1], [0, 1], [1, 0]];
-                    corners.map(|[end, side]: [usize; 2]| {
-                        let mut of = ends[end];
-                        let side = 2.0 * side as f64 - 1.0;
+                    CORNERS.map(|[end, side]| {
+                        let mut of = ends[end as usize];
+                        let side = 2.0 * f64::from(side) - 1.0;
                         let moved = aside * (side * of.clip.w);
                         of.clip += moved.extend(0.0).extend(0.0);
                         of
@@ -414,24 +415,20 @@ mod tests {
         let layout = terrafill_shaders::struct_layout("decals/decal.wgsl", "DecalConstants");
         let layout = layout.expect("a struct");
         let offset = |name: &str| layout.offset(name).expect(name);
-        let all = [
-            ("horizon", std::mem::offset_of!(DecalConstants, horizon)),
-            ("height", std::mem::offset_of!(DecalConstants, height)),
-            ("near", std::mem::offset_of!(DecalConstants, near)),
-            ("radius_m", std::mem::offset_of!(DecalConstants, radius_m)),
-            ("half_px", std::mem::offset_of!(DecalConstants, half_px)),
-            ("angle", std::mem::offset_of!(DecalConstants, angle)),
-            ("size", std::mem::offset_of!(DecalConstants, size)),
-            ("cos_lat", std::mem::offset_of!(DecalConstants, cos_lat)),
-            ("cells", std::mem::offset_of!(DecalConstants, cells)),
-            (
-                "projection",
-                std::mem::offset_of!(DecalConstants, projection),
-            ),
-            ("path", std::mem::offset_of!(DecalConstants, path)),
-        ];
-        for (name, found) in all {
-            assert_eq!(offset(name), found, "{name}");
+        macro_rules! same {
+            ($($ours:ident $theirs:literal),* $(,)?) => {
+                $(assert_eq!(offset($theirs), std::mem::offset_of!(DecalConstants, $ours), $theirs);)*
+            };
+        }
+        same!(
+            columns "x", horizon "horizon", right "right", height "height", up "up", near "near", forward "forward",
+            radius_m "radius_m", eye "eye", half_px "half_px", toward "toward", angle "angle", focus "focus",
+            size "size", sin_lat "sin_lat", cos_lat "cos_lat", tan_half "tan_half", reach "reach",
+            half_width_px "half_width_px", cells "cells", texels "texels", projection "projection", form "form",
+            series "series", path "path",
+        );
+        for (number, column) in ["x", "y", "z", "origin"].iter().enumerate() {
+            assert_eq!(offset(column), 16 * number, "{column}");
         }
         assert_eq!(layout.stride as usize, size_of::<DecalConstants>());
         // Negative control: two members lie apart.

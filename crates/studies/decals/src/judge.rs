@@ -305,7 +305,7 @@ pub(crate) fn texels(shape: Shape, number: u32) -> Option<[u32; 2]> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Errors {
     /// Of each pixel that shows data: from its centre to where what it shows belongs. Of each that shows none and should,
-    /// where depth hides nothing: how far within the exact data it is. Pixels, sorted.
+    /// where depth hides nothing: how far within the exact decal it is, or beside the line that is shown. Pixels, sorted.
     pub(crate) off_px: Vec<f64>,
     /// Pixels that show data where the exact projection has none, and the reverse.
     pub(crate) extra: u64,
@@ -352,8 +352,9 @@ impl Errors {
         errors
     }
 
-    /// Of a line: from each shown pixel to the part that it shows, less half of the width; and from the exact ribbon's edge
-    /// to each pixel within it that shows nothing. The ribbon ends at the horizon, and straight at the line's ends.
+    /// Of a line: from each shown pixel to the part that it shows, less half of the width; and from each pixel of the exact
+    /// ribbon that shows nothing to the nearest that does, less a neighbour's distance: ribbons gape at their bends. The
+    /// exact ribbon ends at the horizon, and straight at the line's ends.
     pub(crate) fn of_line(divided: &Divided, numbers: &[u32]) -> Self {
         /// Sides of the exact line for each part that pictures tell apart.
         const SIDES: u32 = 4;
@@ -403,6 +404,7 @@ impl Errors {
             }
         }
         let mut errors = Self::default();
+        let (mut shown_at, mut missing_at) = (Vec::new(), Vec::new());
         for ((at, shown), nearest) in centres(eye.size()).zip(numbers).zip(nearest) {
             let is_there = nearest <= HALF_PX;
             if let Some([part, _]) = texels(data.shape, *shown) {
@@ -412,11 +414,21 @@ impl Errors {
                     .fold(f64::INFINITY, f64::min);
                 errors.off_px.push((off - HALF_PX).max(0.0));
                 errors.extra += u64::from(!is_there);
+                shown_at.push(at);
             } else if is_there {
-                errors.missing += 1;
-                let within = (!divided.is_tested).then_some(HALF_PX - nearest);
-                errors.off_px.extend(within);
+                missing_at.push(at);
             }
+        }
+        errors.missing = missing_at.len() as u64;
+        if !divided.is_tested {
+            let off = missing_at.par_iter().map(|at| {
+                let all = shown_at.iter().map(|shown| shown.distance(*at));
+                all.fold(f64::INFINITY, f64::min) - std::f64::consts::SQRT_2
+            });
+            let off: Vec<f64> = off.filter(|off| off.is_finite()).collect();
+            errors
+                .off_px
+                .extend(off.into_iter().map(|off| off.max(0.0)));
         }
         errors.off_px.sort_by(f64::total_cmp);
         errors

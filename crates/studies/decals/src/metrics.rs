@@ -15,7 +15,7 @@ terrafill_results::conditions! {
     "formula" = "as many cells as keep edges within a quarter of a pixel, by a bound of the second derivative";
     "query" = "twice as many in each frame, until precise occlusion queries count no more pixels";
     "elsewhere" = "as counted pixels find it obliquely, drawn from above";
-    "campus" = "0.04° of latitude: some 4.4 km, as published";
+    "campus" = "0.04° of latitude: some 4.4 km, in texels of 4 m; the paper's picture has a foot or two";
     "city" = "0.5° of latitude";
     "country" = "8° of latitude";
     "continent" = "40° of latitude";
@@ -75,8 +75,8 @@ terrafill_results::metrics! {
     DECAL_PX_MAX = Metric::error_px(
         "decal_px_max",
         "From a pixel's centre to where what it shows belongs by the exact projection: the place of a decal's address, or the \
-         edge of a line at the part that it shows. Where depth is not tested, also how far within the exact data a pixel \
-         is that shows none, a hundredth of the picture at most. Largest.",
+         edge of a line at the part that it shows. Where depth is not tested, also how far within the exact decal a pixel \
+         is that shows none, a hundredth of the picture at most, or how far beside the line that is shown. Largest.",
     )
     .or("nothing of it is seen");
     DECAL_MAX_MIL = Metric::error(
