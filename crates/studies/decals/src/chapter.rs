@@ -28,7 +28,7 @@ pub(crate) const CLAIMS: StudyClaims = StudyClaims {
         needs: Scope::DRAW,
     }],
     metrics: &METRICS,
-    findings: |_| Vec::new(),
+    findings: |cases| MAPS.found(cases),
     page: [""; 2],
 };
 
