@@ -34,7 +34,7 @@ fn body_depth(at: vec2<f32>) -> f32 {
     return decal.near * (-toward + sqrt(root)) / decal.height;
 }
 
-// Alpha 0: nothing is shown there.
+// The body's own number, behind all texels'.
 fn tested(depth: f32) -> Tested {
-    return Tested(vec4<f32>(0.0), depth);
+    return Tested(colour_of(1u + decal.texels * decal.texels), depth);
 }

@@ -372,7 +372,8 @@ const LINES: Section<'static> = Section {
 
 const TESTED: Section<'static> = Section {
     title: "What the body's depth hides",
-    text: "The same behind the depth of the body itself, which fragments compute by rays. Data is lifted by a thousandth of \
+    text: "The same over the body itself, which the same pass draws before it, and behind its depth, which fragments compute by \
+           rays. Data is lifted by a thousandth of \
            the eye's height, whatever its division and the picture's size; the paper says no lift. What is hidden all the \
            same cuts through the body. Of a line seen obliquely that half may be hidden which is nearer to the eye, since \
            its width is one of the picture.",

@@ -18,6 +18,9 @@ const TEXEL_SLACK: f64 = 1.0 / 32.0;
 /// Of what is before the horizon: 2⁻²⁴, a few times.
 const HORIZON_SLACK: f64 = 1e-6;
 
+/// Number that a picture shows of the body itself, where it is drawn: behind all texels'.
+pub(crate) const BODY: u32 = 1 + TEXELS * TEXELS;
+
 /// A triangle, for places of the picture.
 struct Facet {
     corners: [Corner; 3],
@@ -200,11 +203,20 @@ impl<'a> Reference<'a> {
         number(self.divided.data.shape, [share.x, share.y].map(texel))
     }
 
+    /// Number of what is there without data.
+    fn under(&self, at_px: DVec2) -> u32 {
+        let is_body = self.has_body && self.divided.eye.body_depth(at_px).is_some();
+        if is_body { BODY } else { 0 }
+    }
+
     /// Whether a pixel may show this, within the band.
     fn may_show(&self, at: DVec2, shown: u32) -> bool {
         let hits: Vec<Option<Hit>> = around(BAND_PX).map(|off| self.hit(at + off)).collect();
-        if shown == 0 {
-            return hits.iter().any(|hit| hit.is_none_or(|hit| hit.is_unsure));
+        if shown == 0 || shown == BODY {
+            let mut open = around(BAND_PX)
+                .zip(&hits)
+                .filter(|(_, hit)| hit.is_none_or(|hit| hit.is_unsure));
+            return open.any(|(off, _)| self.under(at + off) == shown);
         }
         let Some([x, y]) = texels(self.divided.data.shape, shown) else {
             return false;
@@ -255,7 +267,7 @@ impl<'a> Reference<'a> {
     pub(crate) fn judge(&self, numbers: &[u32], truth: &[Option<DVec2>]) -> Judged {
         let places: Vec<DVec2> = centres(self.divided.eye.size()).collect();
         let pixel = |((at, shown), share): ((&DVec2, &u32), &Option<DVec2>)| {
-            let met = share.map_or(0, |share| self.number_of(share));
+            let met = share.map_or_else(|| self.under(*at), |share| self.number_of(share));
             (met, met == *shown || self.may_show(*at, *shown))
         };
         let pixels = places.par_iter().zip(numbers).zip(truth);

@@ -3,7 +3,7 @@
 
 use crate::STUDY;
 use crate::divided::{Divided, TEXELS};
-use crate::judge::texels;
+use crate::judge::{self, texels};
 use crate::place::Shape;
 use glam::DVec2;
 use std::path::Path;
@@ -30,10 +30,12 @@ fn colours<'a>(
         if *is_wrong {
             return WRONG;
         }
+        // The device draws the body where depth is tested.
+        let is_body = *number == judge::BODY || !divided.is_tested;
         match (texels(divided.data.shape, *number), eye.shown(at_px)) {
             (Some([x, y]), _) => of_texel(divided.data.shape, x, y),
-            (None, None) => SKY,
-            (None, Some(at)) => body(at, eye.height_m),
+            (None, Some(at)) if is_body => body(at, eye.height_m),
+            (None, _) => SKY,
         }
     })
 }

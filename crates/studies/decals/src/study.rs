@@ -6,7 +6,7 @@ use crate::cases::{Division, Part, Vantage, Work, groups};
 use crate::chapter::CHAPTER;
 use crate::divided::{Corner, DecalConstants, Divided, MAX_CELLS, Origin};
 use crate::draws::{Draws, sent_bytes, time};
-use crate::judge::{Errors, Reference};
+use crate::judge::{Errors, Reference, texels};
 use crate::metrics::*;
 use crate::on_wgpu;
 use crate::pictures;
@@ -227,6 +227,8 @@ impl Shows for DecalSession<'_> {
         let reference = Reference::new(&divided, &corners);
         let drawn = reference.picture();
         let found = reference.judge(&numbers, &drawn);
+        let is_data = |number: &&u32| texels(divided.data.shape, **number).is_some();
+        let shown = numbers.iter().filter(is_data).count();
         let is_decal = work.part == Part::Decal;
         let errors = if is_decal {
             Errors::of_decal(&divided, &numbers, &drawn)
@@ -236,7 +238,7 @@ impl Shows for DecalSession<'_> {
         let mut figures: Figures = vec![
             (DECAL_MISMATCHED_PX.name, found.mismatched as f64),
             (DECAL_BAND_PX.name, found.in_band as f64),
-            (DECAL_SHOWN_PX.name, found.shown as f64),
+            (DECAL_SHOWN_PX.name, shown as f64),
             (DECAL_CELLS.name, f64::from(divided.cells)),
             (DECAL_TRIANGLES.name, divided.triangles() as f64),
             (DECAL_SENT_BYTES.name, sent_bytes as f64),
@@ -254,11 +256,11 @@ impl Shows for DecalSession<'_> {
         if divided.is_tested {
             let all = reference.with_body(false).picture();
             let all = all.iter().flatten().count();
-            let hidden = 1.0 - found.shown as f64 / all.max(1) as f64;
+            let hidden = 1.0 - shown as f64 / all.max(1) as f64;
             figures.push((DECAL_HIDDEN_SHARE.name, hidden));
         }
         let mut reason = match found.mismatched {
-            0 if found.shown == 0 && !divided.is_tested => "it shows nothing".to_owned(),
+            0 if shown == 0 && !divided.is_tested => "it shows nothing".to_owned(),
             0 => String::new(),
             mismatched => format!("{mismatched} pixels show what the reference does not allow"),
         };
