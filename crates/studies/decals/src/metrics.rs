@@ -52,8 +52,8 @@ terrafill_results::metrics! {
         .ranking(Primary::Gpu);
     DECAL_DIVIDE_CPU_MS = Metric::time_ms(
         "decal_divide_cpu_ms",
-        "Process CPU time of finding the number of cells: of the formula, or of every frame that counts, with the upload of \
-         its vertices, drawing, waiting and reading the count, and the upload of what was found.",
+        "Process CPU time of finding the number of cells: of the formula, or of every frame that counts. Such a frame uploads \
+         its vertices, draws, waits and reads the count; what was found is uploaded last.",
     )
     .covering(Scope::PLAN.and(Scope::FRAME))
     .or("the number of cells is known before");
@@ -76,14 +76,14 @@ terrafill_results::metrics! {
         "decal_px_max",
         "From a pixel's centre to where what it shows belongs by the exact projection: the place of a decal's address, or the \
          edge of a line at the part that it shows. Where depth is not tested, also how far within the exact decal a pixel \
-         is that shows none, a hundredth of the picture at most, or how far beside the line that is shown. Largest.",
+         without it is, a hundredth of the picture at most, or how far beside the shown line. Largest.",
     )
     .or("nothing of it is seen");
     DECAL_MAX_MIL = Metric::error(
         "decal_max_mil",
         "‰",
-        "The same as a share of the picture's side, which does not depend on its size: 1 ‰ is a pixel of the window of \
-         1000 × 1000 in Table 1 of Gebbie and Bailey.",
+        "The same as a share of the picture's side, which does not depend on its size. In Table 1 of Gebbie and Bailey, whose \
+         window is 1000 × 1000, 1 ‰ is a pixel.",
     )
     .or("nothing of it is seen");
     DECAL_PX_P99 = Metric::error_px("decal_px_p99", "The same, 99 % of the pixels.").or("nothing of it is seen");
@@ -105,8 +105,8 @@ terrafill_results::metrics! {
     DECAL_HIDDEN_SHARE = Metric::error(
         "decal_hidden_share",
         "",
-        "Share of the data's pixels that the body's depth hides, though the data lies on the body and is lifted by a \
-         thousandth of the eye's height: pixels shown against those of the same triangles in f64 without the body.",
+        "Share of the data's pixels that the body's depth hides, though data is lifted by a thousandth of the eye's height. \
+         Pixels shown are held against those of the same triangles in f64 without the body.",
     )
     .or("depth is not tested");
     DECAL_CELLS = Metric::counter("decal_cells", "Cells along a side of the decal, or segments of the line.");
