@@ -1,5 +1,5 @@
 // The Earth under a texture in pages. A vertex invocation places a vertex of the globe. A fragment finds the page that it
-// wants, shows the deepest page of its place that lies in a slot, and counts itself where it wants and where it lacks.
+// wants, shows the deepest page of its place that lies in a slot, and counts itself where it wants.
 #import shared/view.wgsl
 
 // The level with all texels.
@@ -8,6 +8,8 @@ override FINEST: u32 = 6;
 override BY_DERIVATIVE: bool = false;
 // Whether fragments are counted.
 override COUNTS: bool = true;
+// Whether fragments are counted that show a coarser page than their footprint asks for. No rule needs them.
+override MEASURES: bool = false;
 
 // Texels along a side of a page, and as it is stored with its border.
 const PAGE: f32 = 128.0;
@@ -17,7 +19,7 @@ const SLOT: u32 = 0xFFFFu;
 
 // An entry for each page of each level.
 @group(1) @binding(0) var<storage, read> table: array<u32>;
-// Fragments that want each page; the last one: those that show a coarser one.
+// Fragments that want each page; the last one: those that show a coarser one than their footprint asks for.
 @group(1) @binding(1) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(2) var pages: texture_2d_array<f32>;
 @group(1) @binding(3) var between: sampler;
@@ -29,6 +31,7 @@ struct Varying {
 
 struct Found {
     wanted: u32,
+    footprint: u32,
     slot: u32,
     shown: u32,
     // Texels from the corner of the page that is shown.
@@ -50,12 +53,10 @@ fn level_of_footprint(uv: vec2<f32>) -> u32 {
 }
 
 fn find(place: vec2<f32>) -> Found {
-    var last = FINEST;
-    if BY_DERIVATIVE {
-        last = level_of_footprint(place);
-    }
+    let footprint = level_of_footprint(place);
+    let last = select(FINEST, footprint, BY_DERIVATIVE);
     let uv = clamp(place, vec2<f32>(0.0), vec2<f32>(1.0));
-    var found = Found(0u, 0u, 0u, vec2<f32>(0.0));
+    var found = Found(0u, footprint, 0u, 0u, vec2<f32>(0.0));
     var first = 0u;
     var number = 0u;
     for (var level = 0u; level <= FINEST; level++) {
@@ -76,9 +77,9 @@ fn find(place: vec2<f32>) -> Found {
     }
     if COUNTS {
         atomicAdd(&counts[number], 1u);
-        if found.slot == 0u || found.shown < found.wanted {
-            atomicAdd(&counts[arrayLength(&counts) - 1u], 1u);
-        }
+    }
+    if MEASURES && (found.slot == 0u || found.shown < footprint) {
+        atomicAdd(&counts[arrayLength(&counts) - 1u], 1u);
     }
     return found;
 }
@@ -95,14 +96,15 @@ fn address(at: vec2<i32>, slot: u32) -> u32 {
     return bytes.x | bytes.y << 8u | bytes.z << 16u | bytes.w << 24u;
 }
 
-// Addresses of the first and the last of the four texels that a filter mixes, and the level that is wanted, from 1.
+// Addresses of the first and the last of the four texels that a filter mixes, the level that is wanted, from 1, and that of the
+// footprint.
 @fragment
 fn fragment_addresses(in: Varying) -> @location(0) vec4<u32> {
     let found = find(in.uv);
     if found.slot == 0u {
-        return vec4<u32>(0u, 0u, found.wanted + 1u, 0u);
+        return vec4<u32>(0u, 0u, found.wanted + 1u, found.footprint);
     }
     let at = vec2<i32>(floor(found.local + 0.5));
     let slot = found.slot - 1u;
-    return vec4<u32>(address(at, slot), address(at + 1, slot), found.wanted + 1u, 0u);
+    return vec4<u32>(address(at, slot), address(at + 1, slot), found.wanted + 1u, found.footprint);
 }

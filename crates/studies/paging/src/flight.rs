@@ -15,6 +15,10 @@ use terrafill_study::Failure;
 
 /// Pages that the device keeps.
 pub(crate) const SLOTS: usize = 256;
+/// Frames without a read after which an eye that rests has its pages: a tree splits once in [`DELAY`] frames.
+const QUIET: usize = 3 * DELAY;
+/// After which a flight that still reads ends.
+pub(crate) const MOST_FRAMES: usize = 500;
 /// How much farther than the picture's corner a page may be that distance asks for.
 const MARGIN: f64 = 1.1;
 
@@ -41,6 +45,18 @@ pub(crate) struct Flight {
     pub(crate) budget: usize,
 }
 
+impl Flight {
+    /// - `measures`: whether pages that pixels lack are counted too
+    pub(crate) fn look(&self, measures: bool) -> Look {
+        Look {
+            by_derivative: self.rule == Rule::Derivative,
+            counts: measures || self.rule != Rule::Distance,
+            measures,
+            addresses: false,
+        }
+    }
+}
+
 /// What a frame did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct FrameRecord {
@@ -52,7 +68,8 @@ pub(crate) struct FrameRecord {
     pub(crate) without_slot: usize,
     /// Bytes that it sent to the device, pages and all else.
     pub(crate) bytes: u64,
-    /// Pixels of the globe, and those of them that show a coarser page than they want; where they were counted.
+    /// Pixels of the globe, and those of them that show a coarser page than their footprint asks for; where they were
+    /// counted.
     pub(crate) pixels: Option<[u64; 2]>,
     /// Process CPU time and wall clock of deciding, reading and sending.
     pub(crate) update_ms: [f64; 2],
@@ -112,11 +129,7 @@ impl Pilot {
             }
             Rule::Distance => {
                 let predicted = |page| predicted(page, eye);
-                for _ in 0..FRAMES {
-                    if !self.tree.update(|page| Some(predicted(page)), hysteresis) {
-                        break;
-                    }
-                }
+                self.tree.update(|page| Some(predicted(page)), hysteresis);
                 self.wanted = by_urgency(self.tree.leaves(), predicted);
             }
             Rule::Derivative => {
@@ -163,18 +176,19 @@ fn predicted(page: Page, eye: &Eye) -> f64 {
     f64::from(PAGE * PAGE) * texel_m2 / (pixel_m * pixel_m)
 }
 
-/// Flies, from empty slots.
+/// Flies. The eye rests until it has its pages, of which there is no record, and moves on from there. After
+/// [`FRAMES`] frames the flight ends when nothing has been read for some.
 ///
-/// - `counts`: whether fragments are counted although the rule needs none
-/// - `look_at`: called after each frame with the page table as it was drawn with
+/// - `measures`: whether pixels without their page are counted, which no rule needs
+/// - `look_at`: called after each frame with its number, whether it is the last, and the page table as it was drawn with
 ///
 /// # Errors
 /// Of the device, of the file, and of `look_at`.
 pub(crate) fn fly(
     paged: &mut Paged<'_>,
     flight: Flight,
-    counts: bool,
-    mut look_at: impl FnMut(usize, &Eye, &[u32], &mut Stage) -> Result<(), Failure>,
+    measures: bool,
+    mut look_at: impl FnMut([usize; 2], &Eye, &[u32], &mut Stage) -> Result<(), Failure>,
 ) -> Result<Vec<FrameRecord>, Failure> {
     let Paged {
         texture,
@@ -182,25 +196,25 @@ pub(crate) fn fly(
         stage,
         slots,
     } = paged;
-    let look = Look {
-        by_derivative: flight.rule == Rule::Derivative,
-        counts: counts || flight.rule != Rule::Distance,
-        addresses: false,
-    };
+    let look = flight.look(measures);
     let mut pilot = Pilot::new(flight, texture, *slots);
     let mut page = vec![0; PAGE_BYTES];
     let mut records: Vec<FrameRecord> = Vec::with_capacity(FRAMES);
-    let mut known = 0;
+    // The frame in which the eye sets off, and frames since the last read.
+    let (mut start, mut quiet) = (None, 0);
+    let mut known = 0_usize;
     stage.restart();
-    for frame in 0..FRAMES {
-        let eye = flight.path.eye(frame, stage.size.width);
+    for frame in 0.. {
+        let number = start.map(|start| frame - start);
+        let eye = flight.path.eye(number.unwrap_or(0), stage.size.width);
+        let budget = number.map_or(usize::MAX, |_| flight.budget);
         let watch = CpuStopwatch::start();
         let arrived = stage.counts(false)?;
         pilot.decide(frame, &eye, arrived.as_deref());
         if flight.rule != Rule::Derivative {
             pilot.held.set_leaves(pilot.tree.leaves());
         }
-        let loads = pilot.held.request(&pilot.wanted, frame, flight.budget);
+        let loads = pilot.held.request(&pilot.wanted, frame, budget);
         for load in &loads.loads {
             file.read(load.page, &mut page).map_err(Failure::broken)?;
             stage.write_page(load.slot, &page);
@@ -212,31 +226,55 @@ pub(crate) fn fly(
         let update_ms = [watch.cpu_ms(), watch.wall_ms()];
         let watch = CpuStopwatch::start();
         stage.draw(&eye, look)?;
+        let draw_ms = [watch.cpu_ms(), watch.wall_ms()];
+        quiet = if loads.loads.is_empty() { quiet + 1 } else { 0 };
+        if let Some(counts) = arrived {
+            let of = start.and_then(|start| known.checked_sub(start));
+            if let Some(record) = of.and_then(|of| records.get_mut(of)) {
+                record.pixels = pixels(&counts);
+            }
+            known += 1;
+        }
+        let bytes = stage.sent();
+        let Some(number) = number else {
+            if quiet == QUIET {
+                start = Some(frame + 1);
+            } else if frame == MOST_FRAMES {
+                return Err(Failure::broken("it does not come to rest where it begins"));
+            }
+            continue;
+        };
         records.push(FrameRecord {
             wanted: pilot.wanted.len(),
             reads: loads.loads.len(),
             without_slot: loads.without_slot,
-            bytes: stage.sent(),
+            bytes,
             pixels: None,
             update_ms,
-            draw_ms: [watch.cpu_ms(), watch.wall_ms()],
+            draw_ms,
         });
-        if let Some(counts) = arrived {
-            records[known].pixels = pixels(&counts);
-            known += 1;
+        let is_last = number + 1 == MOST_FRAMES || (number + 1 >= FRAMES && quiet >= QUIET);
+        look_at(
+            [number, usize::from(is_last)],
+            &eye,
+            pilot.held.table(),
+            stage,
+        )?;
+        if is_last {
+            break;
         }
-        look_at(frame, &eye, pilot.held.table(), stage)?;
     }
     // Counts of the last frames are on their way; the newest comes last.
-    for record in records[known..].iter_mut().rev() {
-        if let Some(counts) = stage.counts(true)? {
-            record.pixels = pixels(&counts);
-        }
+    for record in records.iter_mut().rev() {
+        let Some(counts) = stage.counts(true)? else {
+            break;
+        };
+        record.pixels = pixels(&counts);
     }
     Ok(records)
 }
 
-/// Pixels of all pages, and those that show a coarser one.
+/// Pixels of all pages, and those that show a coarser one than their footprint asks for.
 pub(crate) fn pixels(counts: &[u32]) -> Option<[u64; 2]> {
     let (missing, pages) = counts.split_last()?;
     let all = pages.iter().map(|count| u64::from(*count)).sum();
@@ -246,6 +284,23 @@ pub(crate) fn pixels(counts: &[u32]) -> Option<[u64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_window_wants_a_finer_level_than_there_is_and_from_farther_down_it_would() {
+        let below = |eye: &Eye| {
+            let foot = [
+                0.5 + eye.place.longitude_rad / TAU,
+                0.5 - eye.place.latitude_rad / PI,
+            ];
+            predicted(Page::at(6, foot), eye) / f64::from(PAGE * PAGE)
+        };
+        for path in Path::ALL {
+            let most = below(&path.eye(FRAMES, 1000));
+            assert!(most < 2.0, "{path:?}: {most} pixels a texel");
+        }
+        // Negative control: twice as many pixels a side.
+        assert!(below(&Path::Zoom.eye(FRAMES, 2000)) > 2.0);
+    }
 
     #[test]
     fn what_distance_predicts_is_about_the_picture_below_the_eye_and_none_of_the_far_side() {
@@ -267,7 +322,7 @@ mod tests {
         assert!((found / area.abs() - 1.0).abs() < 0.1, "{found} {area}");
         // Negative control: the other side, and a page far out of the picture.
         assert_eq!(predicted(Page::at(6, [foot[0] - 0.5, 0.7]), &eye), 0.0);
-        assert_eq!(predicted(Page::at(6, [foot[0] + 0.1, foot[1]]), &eye), 0.0);
+        assert_eq!(predicted(Page::at(6, [foot[0] + 0.13, foot[1]]), &eye), 0.0);
         // All that the page is a part of is predicted to have more.
         let mut pages = std::iter::successors(Some(page), |page| page.parent());
         assert!(pages.all(|page| predicted(page, &eye) >= found));

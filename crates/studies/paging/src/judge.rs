@@ -11,7 +11,7 @@ use crate::stage::Said;
 use crate::texture::{PAGE, Page, STORED, Texture, address, clamped, level_of, wrapped};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::{HeightRange, SurfaceFrame};
@@ -20,13 +20,13 @@ use terrafill_surface::{HeightRange, SurfaceFrame};
 const BAND_PX: f64 = 1.0 / 32.0;
 /// Places that are tried from a pixel's middle to the band's end.
 const FINE: i32 = 8;
-/// How far a level may be off where derivatives choose it.
+/// How far the level that a footprint asks for may be off.
 const BAND_LEVELS: f64 = 0.05;
 /// Of a filter: WebGPU's backends have 8 bits between texels along each axis, and round each of three steps.
 const PLACE_TEXELS: f64 = 2.0 / 256.0;
 const ROUNDED: f64 = 1.5;
-/// Share of the picture's side that counts as its edge, on each side.
-const EDGE: f64 = 0.125;
+/// Of an address: what texels of one page have in common.
+const OF_PAGE: u32 = !((PAGE - 1) << 13 | (PAGE - 1));
 
 /// What was found of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -37,11 +37,12 @@ pub(crate) struct Judged {
     pub(crate) in_band: u64,
     /// Pixels of the globe.
     pub(crate) covered: u64,
-    /// Of them, those that say that they show a coarser page than they want.
+    /// Of them, those that say that they show a coarser page than their footprint asks for.
     pub(crate) missing: u64,
     /// Of them, those more than a level coarser than their footprint.
     pub(crate) blurred: u64,
-    /// Levels by which texels are larger than footprints, and pixels: within the picture, and at its edge.
+    /// Levels by which texels are larger than footprints, and pixels: of pages that lie within the picture,
+    /// and of those that its edge cuts.
     pub(crate) lost: [(f64, u64); 2],
 }
 
@@ -59,9 +60,10 @@ impl Judged {
         self
     }
 
-    /// Mean levels lost within the picture, and at its edge.
-    pub(crate) fn mean_lost(&self) -> [f64; 2] {
-        self.lost.map(|(sum, count)| sum / count.max(1) as f64)
+    /// Mean levels that pages lose which the picture's edge cuts, less those of pages within; where there are both.
+    pub(crate) fn edge_loss(&self) -> Option<f64> {
+        let [within, cut] = self.lost.map(|(sum, count)| sum / count as f64);
+        self.lost.iter().all(|of| of.1 > 0).then_some(cut - within)
     }
 }
 
@@ -83,6 +85,7 @@ pub(crate) struct Reference<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
     wanted: u32,
+    footprint: u32,
     /// With the place in texels from its corner; `None` where no page of the place is in a slot.
     shown: Option<(Page, [f64; 2])>,
 }
@@ -187,11 +190,17 @@ impl<'a> Reference<'a> {
         level
     }
 
-    /// What a place of the texture shows where its level is at most `last`.
-    fn lookup(&self, place: [f64; 2], last: u32) -> Lookup {
+    /// What a place of the texture shows to a pixel whose footprint asks for a level.
+    fn lookup(&self, place: [f64; 2], footprint: u32) -> Lookup {
+        let last = if self.by_derivative {
+            footprint
+        } else {
+            self.texture.finest
+        };
         let uv = place.map(|at| at.clamp(0.0, 1.0));
         let mut found = Lookup {
             wanted: 0,
+            footprint,
             shown: None,
         };
         for level in 0..=last {
@@ -214,14 +223,11 @@ impl<'a> Reference<'a> {
     /// All that a pixel may show of a triangle at a place of the picture.
     fn lookups(&self, facet: usize, px: [f64; 2]) -> Vec<Lookup> {
         let uv = self.uv(facet, px);
-        let mut levels = vec![self.texture.finest];
-        if self.by_derivative {
-            let level = self.footprint_level(facet, px);
-            let near = [0.0, -BAND_LEVELS, BAND_LEVELS].map(|off| self.rounded(level + off));
-            levels = near.into();
-            levels.dedup();
-        }
-        let found = levels.into_iter().map(|last| self.lookup(uv, last));
+        let level = self.footprint_level(facet, px);
+        let near = [0.0, -BAND_LEVELS, BAND_LEVELS].map(|off| self.rounded(level + off));
+        let mut levels = Vec::from(near);
+        levels.dedup();
+        let found = levels.into_iter().map(|level| self.lookup(uv, level));
         found.collect()
     }
 
@@ -276,6 +282,7 @@ impl<'a> Reference<'a> {
         self.fits(px, middle, |lookup| {
             let expected = lookup.map_or_else(Said::default, |lookup| Said {
                 wanted: Some(lookup.wanted),
+                footprint: lookup.footprint,
                 texels: lookup
                     .shown
                     .map_or([0; 2], |(page, local)| texels(page, local)),
@@ -284,63 +291,66 @@ impl<'a> Reference<'a> {
         })
     }
 
-    /// Judges a picture whose pixels say what they show.
-    pub(crate) fn judge(&self, said: &[Said]) -> Judged {
-        let width = f64::from(self.eye.size.width);
+    /// Pages that the picture's edge cuts, by their addresses.
+    fn cut(&self, said: &[Said]) -> HashSet<u32> {
+        let [width, height] = [self.eye.size.width, self.eye.size.height].map(|of| of as usize);
+        let is_edge = |at: usize| {
+            let [x, y] = [at % width, at / width];
+            x == 0 || y == 0 || x + 1 == width || y + 1 == height
+        };
+        let edge = said.iter().enumerate().filter(|(at, _)| is_edge(*at));
+        edge.map(|(_, said)| said.texels[0] & OF_PAGE).collect()
+    }
+
+    /// Judges a frame: its filtered colours, and what its pixels say that they show.
+    ///
+    /// - `pages`: texels of all pages in slots
+    /// - `said`: none of a picture's texels, which do not say their addresses
+    pub(crate) fn judge(
+        &self,
+        colours: &[[u8; 4]],
+        pages: &HashMap<Page, Vec<u8>>,
+        said: Option<&[Said]>,
+    ) -> Judged {
+        let cut = said.map_or_else(HashSet::new, |said| self.cut(said));
         self.by_pixel(|pixel, px| {
-            let said = &said[pixel];
             let facet = self.facet(px);
-            let [is_right, is_exact] = self.is_right(px, facet, said);
+            let shown = colours[pixel];
+            let [mut is_right, mut is_exact] =
+                self.fits(px, facet, |lookup| match lookup.map(|of| of.shown) {
+                    None => shown == [0; 4],
+                    Some(None) => false,
+                    Some(Some((page, local))) => pages
+                        .get(&page)
+                        .is_some_and(|texels| is_between(texels, local, shown)),
+                });
+            let said = said.map(|said| &said[pixel]);
+            if let Some(said) = said {
+                let [right, exact] = self.is_right(px, facet, said);
+                is_right &= right;
+                is_exact &= exact;
+            }
             let mut judged = Judged {
                 mismatched: u64::from(!is_right),
                 in_band: u64::from(is_right && !is_exact),
+                covered: u64::from(shown != [0; 4]),
                 ..Judged::default()
             };
-            let Some(wanted) = said.wanted else {
+            let Some(said) = said.filter(|said| said.wanted.is_some()) else {
                 return judged;
             };
             judged.covered = 1;
             let shown = level_of(said.texels[0]);
-            judged.missing = u64::from(shown.is_none_or(|shown| shown < wanted));
+            judged.missing = u64::from(shown.is_none_or(|shown| shown < said.footprint));
             if let Some((facet, shown)) = facet.zip(shown) {
                 let finest = f64::from(self.texture.finest);
                 let own = self.footprint_level(facet, px).clamp(0.0, finest);
                 let lost = own - f64::from(shown);
                 judged.blurred = u64::from(lost > 1.0);
-                let is_edge = px.iter().any(|at| {
-                    let share = at / width;
-                    !(EDGE..=1.0 - EDGE).contains(&share)
-                });
-                judged.lost[usize::from(is_edge)] = (lost, 1);
+                let is_cut = cut.contains(&(said.texels[0] & OF_PAGE));
+                judged.lost[usize::from(is_cut)] = (lost, 1);
             }
             judged
-        })
-    }
-
-    /// Judges a picture of filtered colours.
-    ///
-    /// - `pages`: texels of all pages in slots
-    pub(crate) fn judge_colours(
-        &self,
-        colours: &[[u8; 4]],
-        pages: &HashMap<Page, Vec<u8>>,
-    ) -> Judged {
-        self.by_pixel(|pixel, px| {
-            let shown = colours[pixel];
-            let fits = |lookup: Option<&Lookup>| match lookup.map(|of| of.shown) {
-                None => shown == [0; 4],
-                Some(None) => false,
-                Some(Some((page, local))) => pages
-                    .get(&page)
-                    .is_some_and(|texels| is_between(texels, local, shown)),
-            };
-            let [is_right, is_exact] = self.fits(px, self.facet(px), fits);
-            Judged {
-                mismatched: u64::from(!is_right),
-                in_band: u64::from(is_right && !is_exact),
-                covered: u64::from(shown != [0; 4]),
-                ..Judged::default()
-            }
         })
     }
 }

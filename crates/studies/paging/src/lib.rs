@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Study `paging`: a texture of 8,192 × 8,192 texels over the whole Earth, kept in pages on disk. Frames of a flight
+//! Study `paging`: a texture of 8,192 × 8,192 texels over the whole Earth, kept in pages in a file. Frames of a flight
 //! read the pages that they are about to show into a fixed number of slots on the device.
 //!
 //! After Gebbie and Bailey, "Fast Realistic Rendering of Global Worlds using Programmable Graphics Hardware", "Large

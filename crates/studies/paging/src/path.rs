@@ -6,11 +6,13 @@ use std::f64::consts::{PI, TAU};
 use terrafill_core::{Ellipsoid, Geodetic, nearest_f32};
 use terrafill_scene::{Camera, CameraPose, ImageSize};
 
-/// Frames of a flight, in the last of which the eye rests.
+/// Frames of a flight at least, in the last of which the eye rests.
 pub(crate) const FRAMES: usize = 48;
 pub(crate) const REST: usize = 10;
 /// The frame in which a jump lands.
 pub(crate) const LANDS: usize = 20;
+/// From there 1,000 pixels a side want no finer level than the texture has.
+pub(crate) const LOWEST_M: f64 = 3.5e6;
 const FOV_DEG: f64 = 60.0;
 /// Columns and rows of the globe's mesh.
 const CELLS: [u32; 2] = [128, 64];
@@ -59,10 +61,10 @@ impl Path {
         let moving = (FRAMES - REST) as f64;
         let share = (frame as f64 / moving).min(1.0);
         match self {
-            Self::Smooth => Eye::over(-60.0 + 90.0 * share, 20.0 + 15.0 * share, 2.5e6, side_px),
-            Self::Zoom => Eye::over(15.0, 40.0, 2e7 * (1e6_f64 / 2e7).powf(share), side_px),
-            Self::Jump if frame < LANDS => Eye::over(10.0, 45.0, 2.5e6, side_px),
-            Self::Jump => Eye::over(-100.0, 40.0, 2.5e6, side_px),
+            Self::Smooth => Eye::over(-60.0 + 90.0 * share, 20.0 + 15.0 * share, LOWEST_M, side_px),
+            Self::Zoom => Eye::over(15.0, 40.0, 2e7 * (LOWEST_M / 2e7).powf(share), side_px),
+            Self::Jump if frame < LANDS => Eye::over(10.0, 45.0, LOWEST_M, side_px),
+            Self::Jump => Eye::over(-100.0, 40.0, LOWEST_M, side_px),
         }
     }
 }
@@ -129,7 +131,7 @@ mod tests {
             assert_ne!(eye(LANDS), eye(LANDS - 1));
         }
         let lowest = Path::Zoom.eye(FRAMES, 64).place.height_m;
-        assert!((lowest - 1e6).abs() < 1e-3);
+        assert!((lowest - LOWEST_M).abs() < 1e-3);
     }
 
     #[test]

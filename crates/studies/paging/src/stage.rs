@@ -2,6 +2,7 @@
 //! The device's part: slots of pages, the page table, the globe, and counts of fragments that come back later.
 
 use crate::path::{Eye, Globe};
+use crate::residency::SLOT;
 use crate::texture::{STORED, Texture};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, VecDeque};
@@ -25,23 +26,28 @@ pub(crate) const DELAY: usize = 2;
 pub(crate) struct Look {
     /// Whether they find their level by their footprint.
     pub(crate) by_derivative: bool,
-    /// Whether they count themselves.
+    /// Whether they count themselves by the page that they want.
     pub(crate) counts: bool,
+    /// Whether those that show a coarser page than their footprint asks for are counted too.
+    pub(crate) measures: bool,
     /// Whether they say which texels they show, in place of the texels' colour.
     pub(crate) addresses: bool,
 }
 
-/// What a pixel says: addresses of the first and the last texel that are mixed, and the level that is wanted.
+/// What a pixel says: addresses of the first and the last texel that are mixed, the level that is wanted, and the one
+/// that its footprint asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Said {
     pub(crate) texels: [u32; 2],
     /// `None` where nothing is drawn.
     pub(crate) wanted: Option<u32>,
+    pub(crate) footprint: u32,
 }
 
 /// Counts on their way.
 struct Coming {
     staging: wgpu::Buffer,
+    frame: wgpu::SubmissionIndex,
     arrives: Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
@@ -234,7 +240,7 @@ impl Stage {
         written.copy_from_slice(table);
     }
 
-    /// Ends what was written, and waits until the device has it.
+    /// Ends what was written, and waits until the device has it and has drawn.
     ///
     /// # Errors
     /// [`DeviceError::DeviceLost`].
@@ -258,6 +264,7 @@ impl Stage {
             ("FINEST", f64::from(self.finest)),
             ("BY_DERIVATIVE", number(look.by_derivative)),
             ("COUNTS", number(look.counts)),
+            ("MEASURES", number(look.measures)),
         ];
         let attributes = [
             wgpu::vertex_attr_array![0 => Float32x3],
@@ -281,6 +288,12 @@ impl Stage {
     /// # Errors
     /// [`DeviceError::DeviceLost`].
     pub(crate) fn draw(&mut self, eye: &Eye, look: Look) -> Result<(), DeviceError> {
+        self.submit(eye, look);
+        self.gpu.wait()
+    }
+
+    /// Draws a frame without waiting for it.
+    pub(crate) fn submit(&mut self, eye: &Eye, look: Look) {
         let constants = view_constants(eye);
         let bytes: [u8; size_of::<ViewConstants>()] = bytemuck::cast(constants);
         if bytes != self.written.0 {
@@ -291,7 +304,7 @@ impl Stage {
         let pipeline = self.pipeline(look).clone();
         let gpu = &self.gpu;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        if look.counts {
+        if look.counts || look.measures {
             encoder.clear_buffer(&self.counts, 0, None);
         }
         let target = &self.targets[usize::from(look.addresses)];
@@ -319,7 +332,7 @@ impl Stage {
         pass.set_index_buffer(triangles.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..self.index_count, 0, 0..1);
         drop(pass);
-        let staging = look.counts.then(|| {
+        let staging = (look.counts || look.measures).then(|| {
             let free = self.free.pop();
             let staging = free.unwrap_or_else(|| {
                 gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -332,19 +345,30 @@ impl Stage {
             encoder.copy_buffer_to_buffer(&self.counts, 0, &staging, 0, self.counts.size());
             staging
         });
-        gpu.queue.submit([encoder.finish()]);
+        let frame = gpu.queue.submit([encoder.finish()]);
         if let Some(staging) = staging {
             let (sender, arrives) = channel();
             staging.map_async(wgpu::MapMode::Read, .., move |result| {
                 // A flight that began anew does not wait for it.
                 let _ = sender.send(result);
             });
-            self.coming.push_back(Coming { staging, arrives });
+            self.coming.push_back(Coming {
+                staging,
+                frame,
+                arrives,
+            });
         }
-        gpu.wait()
     }
 
-    /// Counts of the frame that is [`DELAY`] frames old, or of the last one at once; `None` where there is none yet.
+    /// Pages that fragments of a frame want and the device's table has in no slot.
+    pub(crate) fn lacks(&self, counts: &[u32]) -> usize {
+        let both = self.written.1.iter().zip(counts);
+        both.filter(|(entry, count)| **count > 0 && *entry & SLOT == 0)
+            .count()
+    }
+
+    /// Counts of the frame that is [`DELAY`] frames old, or of the last one at once; `None` where there is none yet. Waits
+    /// for that frame alone.
     ///
     /// # Errors
     /// [`DeviceError::DeviceLost`].
@@ -357,9 +381,19 @@ impl Stage {
         } else {
             self.coming.pop_front()
         };
-        let Some(Coming { staging, arrives }) = coming else {
+        let Some(coming) = coming else {
             return Ok(None);
         };
+        let Coming {
+            staging,
+            frame,
+            arrives,
+        } = coming;
+        let done = self.gpu.device.poll(wgpu::PollType::Wait {
+            submission_index: Some(frame),
+            timeout: None,
+        });
+        done.map_err(|error| lost(&error))?;
         let mapped = arrives.recv().map_err(|error| lost(&error))?;
         mapped.map_err(|error| lost(&error))?;
         let bytes = staging.get_mapped_range(..).map_err(|error| lost(&error))?;
@@ -377,9 +411,10 @@ impl Stage {
     pub(crate) fn said(&self) -> Result<Vec<Said>, DeviceError> {
         let bytes = read_texture(&self.gpu, &self.targets[1], wgpu::TextureAspect::All)?;
         let pixels: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-        let said = pixels.iter().map(|[first, last, wanted, _]| Said {
+        let said = pixels.iter().map(|[first, last, wanted, footprint]| Said {
             texels: [*first, *last],
             wanted: wanted.checked_sub(1),
+            footprint: *footprint,
         });
         Ok(said.collect())
     }

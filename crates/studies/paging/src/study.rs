@@ -3,7 +3,7 @@
 //! over a picture of the Earth.
 
 use crate::figures::{of_records, times, trace};
-use crate::flight::{Flight, FrameRecord, Paged, Rule, SLOTS, fly, pixels};
+use crate::flight::{Flight, FrameRecord, MOST_FRAMES, Paged, Rule, SLOTS, fly, pixels};
 use crate::judge::{Judged, Reference};
 use crate::metrics::{self, *};
 use crate::page_file::PageFile;
@@ -29,13 +29,16 @@ const FINEST: u32 = 6;
 /// Pixels a side of flights of a run that names no size.
 const SIDE_PX: u32 = 512;
 const QUICK_SIDE_PX: u32 = 256;
+/// Below the first no leaf splits by counted pixels where four do not fill the picture; above the second the slots and
+/// the texture's levels end.
+const SIDES_PX: [u32; 2] = [256, 1024];
+/// Flights of a process: ten in the five of a run.
+const SAMPLES: u32 = 2;
 /// Windows of Table 2.
 const WINDOWS_PX: [u32; 3] = [1000, 800, 600];
 /// At which a tree comes to rest: a split divides the mean by 4.
 const HYSTERESIS_AT_REST: f64 = 4.0;
-/// Frames that are judged.
-const JUDGED: [usize; 2] = [MOVING, FRAMES - 1];
-/// Of them, one while the eye moves, and four after a jump.
+/// The frame that is judged beside the last: while the eye moves, and four after a jump.
 const MOVING: usize = 24;
 /// Timed frames of a view that stands still.
 const STILL: usize = 20;
@@ -67,7 +70,17 @@ impl Study for PagingStudy {
             (false, true) => QUICK_SIDE_PX,
             (false, false) => SIDE_PX,
         };
-        let samples = request.samples.unwrap_or(1);
+        let [least, most] = SIDES_PX;
+        if !(least..=most).contains(&side_px) {
+            return Ok(Planned {
+                skipped: vec![Skipped {
+                    what: STUDY.to_owned(),
+                    reason: format!("found {side_px} pixels a side, allowed: {least} to {most}"),
+                }],
+                ..Planned::default()
+            });
+        }
+        let samples = request.samples.unwrap_or(SAMPLES);
         let pattern = Texture {
             source: Source::Addresses,
             finest: FINEST,
@@ -112,8 +125,30 @@ struct Work {
     part: &'static str,
     flight: Flight,
     side_px: u32,
-    /// Of a still view: whether its fragments count themselves.
-    counted: Option<bool>,
+    /// Of a still view.
+    counted: Option<Counting>,
+}
+
+terrafill_results::named! {
+    /// When the counts of a still view are read.
+    all enum Counting {
+        /// Its fragments do not count themselves.
+        No = "no",
+        /// When they are two frames old.
+        Later = "later",
+        /// Before the next frame.
+        AtOnce = "at-once",
+    }
+}
+
+impl Work {
+    /// As its timed frames are drawn.
+    fn look(&self) -> Look {
+        Look {
+            counts: self.counted != Some(Counting::No) && self.flight.rule != Rule::Distance,
+            ..self.flight.look(false)
+        }
+    }
 }
 
 const fn flown(part: &'static str, flight: Flight, side_px: u32) -> Work {
@@ -165,8 +200,8 @@ fn works(is_quick: bool, side_px: u32) -> Vec<Work> {
             works.extend([usize::MAX, 1].map(of));
         }
     }
-    works.extend([true, false].map(|is| Work {
-        counted: Some(is),
+    works.extend(Counting::ALL.map(|counting| Work {
+        counted: Some(counting),
         ..flown(COUNTING, counted(Path::Zoom, usize::MAX), side_px)
     }));
     works
@@ -218,7 +253,7 @@ fn case(work: &Work, texture: &Texture, samples: u32) -> PlannedCase {
         (TRANSFERS, transfers),
         (SIZE_PX, work.side_px.to_string()),
     ];
-    let said = work.counted.map(|is| if is { "yes" } else { "no" });
+    let said = work.counted.map(Counting::name);
     conditions.extend(said.map(|said| (COUNTED, said.to_owned())));
     planned_case(STUDY, samples, conditions, None)
 }
@@ -347,9 +382,6 @@ impl<'a> PagingSession<'a> {
         let by_derivative = work.flight.rule == Rule::Derivative;
         let reference =
             Reference::new(shown.eye, &self.globe, texture, &shown.table, by_derivative);
-        if self.is_pattern() {
-            return Ok(reference.judge(&shown.said));
-        }
         let file = self.file.as_ref().ok_or("it has no file".to_owned())?;
         let held = (0..shown.table.len()).filter(|number| shown.table[*number] & SLOT != 0);
         let mut pages = HashMap::new();
@@ -358,16 +390,14 @@ impl<'a> PagingSession<'a> {
             file.read(page, &mut bytes).map_err(Failure::broken)?;
             pages.insert(page, bytes.clone());
         }
-        Ok(reference.judge_colours(&shown.colours, &pages))
+        let said = self.is_pattern().then_some(&shown.said[..]);
+        Ok(reference.judge(&shown.colours, &pages, said))
     }
 }
 
 /// Which frames of a case are judged: large pictures take long.
-fn is_judged(work: &Work, frame: usize) -> bool {
-    match work.part {
-        FLIGHTS | OF_EARTH => JUDGED.contains(&frame),
-        _ => frame + 1 == FRAMES,
-    }
+fn is_judged(work: &Work, frame: usize, is_last: bool) -> bool {
+    is_last || (matches!(work.part, FLIGHTS | OF_EARTH) && frame == MOVING)
 }
 
 impl Shows for PagingSession<'_> {
@@ -379,32 +409,42 @@ impl Shows for PagingSession<'_> {
         let addresses = Look {
             by_derivative: work.flight.rule == Rule::Derivative,
             counts: true,
+            measures: true,
             addresses: true,
         };
         let mut paged = self.paged(work.side_px)?;
         let mut frames = Vec::new();
-        let records = fly(&mut paged, work.flight, true, |frame, eye, table, stage| {
-            if !is_judged(&work, frame) {
-                return Ok(());
-            }
-            let (mut said, mut colours, mut counted) = (Vec::new(), Vec::new(), None);
-            if is_pattern {
-                stage.draw(eye, addresses)?;
-                said = stage.said()?;
-                counted = stage.counts(true)?.as_deref().and_then(pixels);
-            } else {
-                colours = stage.colours()?;
-            }
-            frames.push(ShownFrame {
-                frame,
-                eye: *eye,
-                table: table.to_vec(),
-                said,
-                colours,
-                counted,
-            });
-            Ok(())
-        })?;
+        let records = fly(
+            &mut paged,
+            work.flight,
+            true,
+            |[frame, last], eye, table, stage| {
+                if !is_judged(&work, frame, last == 1) {
+                    return Ok(());
+                }
+                let (mut said, mut counted) = (Vec::new(), None);
+                // As timed frames are drawn, which count nothing that is for the judge alone.
+                stage.draw(eye, work.look())?;
+                if work.look().counts {
+                    stage.counts(true)?;
+                }
+                let colours = stage.colours()?;
+                if is_pattern {
+                    stage.draw(eye, addresses)?;
+                    said = stage.said()?;
+                    counted = stage.counts(true)?.as_deref().and_then(pixels);
+                }
+                frames.push(ShownFrame {
+                    frame,
+                    eye: *eye,
+                    table: table.to_vec(),
+                    said,
+                    colours,
+                    counted,
+                });
+                Ok(())
+            },
+        )?;
         let shown = Shown { frames, records };
         Ok((shown.hash(), shown))
     }
@@ -461,11 +501,16 @@ impl Shows for PagingSession<'_> {
                 notes.push((note, path));
             }
         }
-        if all.covered == 0 {
+        if records.len() == MOST_FRAMES {
+            reason = format!("it still reads after {MOST_FRAMES} frames");
+        } else if all.covered == 0 {
             reason = "it shows nothing".to_owned();
         } else if all.mismatched > 0 {
             let pixels = all.mismatched;
             reason = format!("{pixels} pixels show what the reference does not allow");
+        } else if 100 * all.in_band > all.covered {
+            let pixels = all.in_band;
+            reason = format!("{pixels} pixels, more than 1 %, are right beside their middle alone");
         }
         let mut figures = vec![
             (PAGING_MISMATCHED_PX.name, all.mismatched as f64),
@@ -474,9 +519,9 @@ impl Shows for PagingSession<'_> {
             (PAGING_FILE_BYTES.name, self.file_bytes()? as f64),
         ];
         if self.is_pattern() {
-            let [within, edge] = last.mean_lost();
             figures.push((PAGING_BLURRED_PX.name, last.blurred as f64));
-            figures.push((PAGING_EDGE_LOSS.name, edge - within));
+            let lost = last.edge_loss();
+            figures.extend(lost.map(|lost| (PAGING_EDGE_LOSS.name, lost)));
             figures.extend(moving.map(|px| (PAGING_BLURRED_MOVING_PX.name, px)));
         }
         figures.extend(of_records(records));
@@ -487,25 +532,35 @@ impl Shows for PagingSession<'_> {
         let work = self.group.work.works[case];
         let mut paged = self.paged(work.side_px)?;
         let records = fly(&mut paged, work.flight, false, |_, _, _, _| Ok(()))?;
-        let Some(counts) = work.counted else {
+        let Some(counted) = work.counted else {
             return Ok(times(&records));
         };
+        // The view, the table and the pages are those of the flight's last frame.
         let eye = work.flight.path.eye(FRAMES, work.side_px);
-        let look = Look {
-            by_derivative: false,
-            counts,
-            addresses: false,
-        };
         let stage = paged.stage;
-        stage.restart();
-        stage.draw(&eye, look)?;
+        stage.draw(&eye, work.flight.look(true))?;
+        let counts = stage.counts(true)?.unwrap_or_default();
+        let lacks = stage.lacks(&counts);
+        if lacks > 0 {
+            return Err(Failure::broken(format!(
+                "the still view lacks {lacks} pages"
+            )));
+        }
+        stage.draw(&eye, work.look())?;
+        if counted != Counting::No {
+            stage.counts(true)?;
+        }
         let watch = CpuStopwatch::start();
         for _ in 0..STILL {
-            if counts {
+            if counted == Counting::Later {
                 stage.counts(false)?;
             }
-            stage.draw(&eye, look)?;
+            stage.submit(&eye, work.look());
+            if counted == Counting::AtOnce {
+                stage.counts(true)?;
+            }
         }
+        stage.flush()?;
         let frames = STILL as f64;
         Ok(vec![
             (PAGING_DRAW_CPU_MS.name, watch.cpu_ms() / frames),
