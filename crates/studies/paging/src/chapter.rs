@@ -3,17 +3,15 @@
 
 mod table_2;
 
+use self::table_2::timed;
 use crate::metrics::{self, *};
-use crate::study::{COUNTING, FLIGHTS, OF_EARTH};
 use terrafill_lab::{
-    Cases, ClaimedTime, Column, Comparison, Figure, Names, Section, SectionedChapter, Select,
-    StudyClaims, finding,
+    Cases, ClaimedTime, Column, Figure, Names, Section, SectionedChapter, Select, StudyClaims,
+    finding,
 };
 use terrafill_plot::number::{digits, measured_bytes, significant};
 use terrafill_plot::{Course, Courses};
-use terrafill_results::{
-    Answers, Block, Case, ChapterError, Claim, ConditionKey, Finding, Metric, Scope,
-};
+use terrafill_results::{Answers, Block, Case, ChapterError, Finding, Scope};
 
 const TITLE: &str = "Paging: a texture larger than memory";
 
@@ -65,11 +63,6 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
 };
 
 const FRAME: Figure = Figure::ByClock(PAGING_FRAME_WALL_MS, PAGING_FRAME_CPU_MS);
-
-/// A column of times, by the clock of the device.
-const fn timed(heading: &'static str, wall: &'static Metric, cpu: &'static Metric) -> Column {
-    Column::of(heading, Figure::ByClock(wall, cpu))
-}
 
 const NAMES: Names<'static> = Names::Columns(&[
     ("path", PATH),
@@ -162,21 +155,6 @@ pub(crate) const CLAIMS: StudyClaims = StudyClaims {
     },
     page: [""; 2],
 };
-
-/// Two cases that differ in one condition.
-const fn compared(
-    changed: ConditionKey,
-    metric: &'static Metric,
-    needs: Scope,
-) -> Comparison<'static> {
-    Comparison {
-        changed: changed.name(),
-        follows: &[],
-        one_sided: None,
-        metric,
-        needs,
-    }
-}
 
 fn exact(cases: &Cases<'_>) -> Finding {
     let px = |metric| cases.sum(metric).map(digits).unwrap_or_default();
@@ -288,16 +266,6 @@ fn missing(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
 fn bytes(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     let caption = "Bytes that are sent, frame by frame of a jump.";
     course(&jumps(cases), caption, "bytes")
-}
-
-fn smooths(cases: &Cases<'_>) -> Finding {
-    let pairs = cases.pairs(TRANSFERS, ["any", "1"], &[]);
-    cases.compared(
-        &compared(TRANSFERS, PAGING_UPDATE_MAX_MS, Scope::UPLOAD),
-        &pairs,
-        Claim::Faster,
-        "Gebbie & Bailey: one transfer an update smooths its spikes, the longest update of a flight",
-    )
 }
 
 #[cfg(test)]

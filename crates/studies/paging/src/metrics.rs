@@ -3,6 +3,12 @@
 
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
+/// The parts' names in cases.
+pub(crate) const FLIGHTS: &str = "flights";
+pub(crate) const TABLE_2: &str = "table-2";
+pub(crate) const COUNTING: &str = "counting";
+pub(crate) const OF_EARTH: &str = "picture";
+
 terrafill_results::conditions! {
     shared PART, SIZE_PX;
     COUNTED = "counted", "when counts of fragments are read; `no`: fragments do not count themselves";

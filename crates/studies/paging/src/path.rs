@@ -38,7 +38,7 @@ pub(crate) struct Eye {
 }
 
 impl Eye {
-    fn over(longitude_deg: f64, latitude_deg: f64, height_m: f64, side_px: u32) -> Self {
+    pub(crate) fn over(longitude_deg: f64, latitude_deg: f64, height_m: f64, side_px: u32) -> Self {
         let place = Geodetic::from_degrees(longitude_deg, latitude_deg, height_m);
         let pose = CameraPose {
             eye: place,

@@ -44,11 +44,6 @@ const MOVING: usize = 24;
 const STILL: usize = 20;
 /// Whose picture it is: the scene names file and hash.
 const SCENE: &str = "blue-marble";
-/// The parts' names in cases.
-pub(crate) const FLIGHTS: &str = "flights";
-pub(crate) const TABLE_2: &str = "table-2";
-pub(crate) const COUNTING: &str = "counting";
-pub(crate) const OF_EARTH: &str = "picture";
 
 /// What paging a large texture costs, and what it shows meanwhile.
 #[derive(Debug, Clone, Copy)]

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Table 2 of the paper: windows and paths, with any number of pages a frame and with one.
 
-use super::{smooths, timed};
 use crate::metrics::{self, *};
-use crate::study::TABLE_2;
-use terrafill_lab::{Cases, Column, Figure, Names, Section, Select, finding, measured};
+use terrafill_lab::{Cases, Column, Comparison, Figure, Names, Section, Select, finding, measured};
 use terrafill_plot::number::significant;
-use terrafill_results::{Case, Finding, Metric};
+use terrafill_results::{Case, Claim, ConditionKey, Finding, Metric, Scope};
 
 /// As printed: window and path; frames of the GPU, mean update, longest update without the cap and with it, ms.
 const PUBLISHED: [(&str, &str, [f64; 4]); 6] = [
@@ -17,6 +15,15 @@ const PUBLISHED: [(&str, &str, [f64; 4]); 6] = [
     ("800", "zoom", [2.18, 0.37, 93.5, 18.4]),
     ("600", "zoom", [1.686, 0.28, 11.8, 14.5]),
 ];
+
+/// A column of times, by the clock of the device.
+pub(super) const fn timed(
+    heading: &'static str,
+    wall: &'static Metric,
+    cpu: &'static Metric,
+) -> Column {
+    Column::of(heading, Figure::ByClock(wall, cpu))
+}
 
 const SIZED: Names<'static> = Names::Columns(&[
     ("pixels a side", SIZE_PX),
@@ -85,6 +92,31 @@ pub(super) const SECTION: Section<'static> = Section {
     pictures: &[("picture", "at rest")],
     ..Section::EMPTY
 };
+
+/// Two cases that differ in one condition.
+const fn compared(
+    changed: ConditionKey,
+    metric: &'static Metric,
+    needs: Scope,
+) -> Comparison<'static> {
+    Comparison {
+        changed: changed.name(),
+        follows: &[],
+        one_sided: None,
+        metric,
+        needs,
+    }
+}
+
+pub(super) fn smooths(cases: &Cases<'_>) -> Finding {
+    let pairs = cases.pairs(TRANSFERS, ["any", "1"], &[]);
+    cases.compared(
+        &compared(TRANSFERS, PAGING_UPDATE_MAX_MS, Scope::UPLOAD),
+        &pairs,
+        Claim::Faster,
+        "Gebbie & Bailey: one transfer an update smooths its spikes, the longest update of a flight",
+    )
+}
 
 fn of_ours(case: &Case, [above, below]: [&Metric; 2]) -> Option<f64> {
     let [above, below] = [measured(case, above)?, measured(case, below)?];

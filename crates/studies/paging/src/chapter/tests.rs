@@ -1,9 +1,10 @@
+use super::table_2::smooths;
 use super::*;
 use crate::PagingStudy;
 use terrafill_fixtures::data;
 use terrafill_lab::REFUSED;
 use terrafill_results::made_up::{MadeUpRun, case_id};
-use terrafill_results::{Chapter as _, Standing};
+use terrafill_results::{Chapter as _, Metric, Standing};
 use terrafill_study::{Request, Study as _};
 
 #[test]
