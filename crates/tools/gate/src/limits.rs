@@ -108,6 +108,14 @@ mod tests {
         }
         assert!(objection("non_finite", f64::NAN).is_some());
         assert_eq!(objection("draws", f64::NAN), None, "no limit on draws");
+        let swings = |hysteresis: &str| {
+            let case = format!("paging/flights/addresses/zoom/counted/{hysteresis}/any/512");
+            let mut limits = limits.iter();
+            limits.any(|limit| {
+                limit.covers(&case, "paging_steady_bytes") && limit.objection(4.0).is_some()
+            })
+        };
+        assert_eq!(["4", "1"].map(swings), [true, false]);
     }
 
     #[test]
