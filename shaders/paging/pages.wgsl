@@ -25,7 +25,7 @@ const SLOT: u32 = 0xFFFFu;
 @group(1) @binding(3) var between: sampler;
 
 struct Varying {
-    @builtin(position) clip: vec4<f32>,
+    @invariant @builtin(position) clip: vec4<f32>,
     @location(0) uv: vec2<f32>,
 };
 
