@@ -487,6 +487,26 @@ pub struct Finding {
     pub because: String,
 }
 
+/// A claim and its figures, set apart: figures that begin a sentence after a full stop, others after a colon. The last
+/// sentence is left open.
+#[must_use]
+pub fn with_figures(claim: &str, because: &str) -> String {
+    let [claim, because] = [claim, because].map(str::trim);
+    let ended = because.strip_suffix('.').unwrap_or(because);
+    let between = match because.chars().next() {
+        None => "",
+        _ if claim.ends_with([':', '.', ';', '?', '!']) => " ",
+        Some(first) if first.is_uppercase() => ". ",
+        Some(_) => ": ",
+    };
+    let claim = if between.is_empty() {
+        claim.trim_end_matches([':', '.'])
+    } else {
+        claim
+    };
+    format!("{claim}{between}{ended}")
+}
+
 /// What an interval says of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
@@ -535,6 +555,31 @@ impl Standing {
             Self::CannotTell => "undecided",
             Self::NotMeasured => "not measured",
             Self::CannotBeTested => "cannot be tested",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_never_run_on_from_a_claim() {
+        for (claim, because, text) in [
+            (
+                "It is there",
+                "0 pixels differ.",
+                "It is there: 0 pixels differ",
+            ),
+            (
+                "It is longer",
+                "By window: 2 ×.",
+                "It is longer. By window: 2 ×",
+            ),
+            ("Which is it?", "2 ×", "Which is it? 2 ×"),
+            ("It is so.", "", "It is so"),
+        ] {
+            assert_eq!(with_figures(claim, because), text);
         }
     }
 }

@@ -40,7 +40,7 @@ pub mod threshold;
 
 pub use block::{
     Answers, Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading,
-    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
+    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout, with_figures,
 };
 pub use budget::Budget;
 pub use case::{

@@ -3,7 +3,7 @@
 //!
 //! What only a page can show is left out: drawings, pictures, and what a reader would have to open first.
 
-use crate::{Block, Cell, CellClass, Finding, Table, TableLayout};
+use crate::{Block, Cell, CellClass, Finding, Table, TableLayout, with_figures};
 
 /// All blocks, a blank line between two that are no findings.
 #[must_use]
@@ -50,12 +50,8 @@ pub fn markdown_list(items: &[String]) -> String {
 
 /// A finding in a line.
 fn markdown_finding(finding: &Finding) -> String {
-    let because = match finding.because.as_str() {
-        "" => String::new(),
-        because => format!(" {}:", escaped(because)),
-    };
-    let claim = escaped(&finding.claim);
-    format!("- {claim}{because} **{}**\n", finding.standing.name())
+    let said = escaped(&with_figures(&finding.claim, &finding.because));
+    format!("- {said}: **{}**\n", finding.standing.name())
 }
 
 /// A table below its caption. Cells of cards say their details too: figures that the caption explains.

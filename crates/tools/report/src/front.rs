@@ -4,10 +4,10 @@
 use crate::contents::Report;
 use crate::glossary::of_drawing;
 use crate::verdict::{Verdict, plural};
-use crate::view::{Renderer, with_figures};
+use crate::view::Renderer;
 use askama::Template;
 use std::collections::BTreeSet;
-use terrafill_results::{Block, Finding, RunInput, Standing};
+use terrafill_results::{Block, Finding, RunInput, Standing, with_figures};
 
 /// Letters of a commit on the first screen; the whole name is under "Environment".
 const SHORT_COMMIT: usize = 12;

@@ -7,7 +7,7 @@ use askama::Template;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_results::{
     Block, Cell, CellClass, Finding, Heading, Pictures, Plot, Row, Run, Standing, Table,
-    TableLayout,
+    TableLayout, with_figures,
 };
 
 /// The first page, within the run's folder.
@@ -547,20 +547,6 @@ fn breakable(name: &str) -> Vec<&str> {
     name.split_inclusive([',', '/']).collect()
 }
 
-/// A claim and its figures, set apart: figures that begin a sentence after a full stop, others after a colon. The last
-/// sentence is left open.
-pub(crate) fn with_figures(claim: &str, because: &str) -> String {
-    let [claim, because] = [claim, because].map(str::trim);
-    let ended = because.strip_suffix('.').unwrap_or(because);
-    let between = match because.chars().next() {
-        None => "",
-        _ if claim.ends_with([':', '.', ';', '?', '!']) => " ",
-        Some(first) if first.is_uppercase() => ". ",
-        Some(_) => ": ",
-    };
-    format!("{claim}{between}{ended}")
-}
-
 fn finding_view(finding: &Finding) -> FindingView {
     FindingView {
         text: with_figures(&finding.claim, &finding.because),
@@ -584,26 +570,6 @@ fn captions(images: &[ImageView<'_>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_never_run_on_from_a_claim() {
-        for (claim, because, text) in [
-            (
-                "It is there",
-                "0 pixels differ.",
-                "It is there: 0 pixels differ",
-            ),
-            (
-                "It is longer",
-                "By window: 2 ×.",
-                "It is longer. By window: 2 ×",
-            ),
-            ("Which is it?", "2 ×", "Which is it? 2 ×"),
-            ("It is", "", "It is"),
-        ] {
-            assert_eq!(with_figures(claim, because), text);
-        }
-    }
 
     #[test]
     fn figures_leave_the_drawing_and_come_out_as_they_went_in() {

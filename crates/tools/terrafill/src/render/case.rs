@@ -12,7 +12,7 @@ use std::path::Path;
 use std::rc::Rc;
 use terrafill_contract::Devices;
 use terrafill_results::{CaseId, Status, Verdict};
-use terrafill_scene::choices;
+use terrafill_scene::{choices, scene_names_in_folders};
 use terrafill_study::{Context, Depth, Planned, Request, Study, StudyError};
 
 /// Cases that are verified in search of a picture: some studies draw one of a few cases alone.
@@ -38,8 +38,11 @@ pub(super) struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// What `STUDY` or `STUDY/VALUE…` asks for; `None` where it names a file, or no study.
+    /// What `STUDY` or `STUDY/VALUE…` asks for; `None` where it names a scene, a file, or no study.
     pub(super) fn of(name: &'a str) -> Option<Self> {
+        if scene_names_in_folders().contains(&name) {
+            return None;
+        }
         let mut parts = name.split('/');
         let study = parts.next()?;
         let study = STUDIES.iter().find(|known| known.name() == study)?;
@@ -275,5 +278,6 @@ mod tests {
         assert!(!is_asked("globes/layers --set view=tangent"));
         assert!(!is_asked("globes/layers --set tangent"));
         assert!(Asked::of("california").is_none());
+        assert!(Asked::of("extreme/poles").is_none() && Asked::of("extreme/a").is_some());
     }
 }
