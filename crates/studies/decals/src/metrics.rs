@@ -12,6 +12,7 @@ terrafill_results::conditions! {
     PATH = "path", "how a line runs";
     PROJECTION = "projection", "how the body is put on the picture";
     SERIES = "series", "order of the series that stand for sine and cosine";
+    "data" = "what lies on the globe: a decal, or a line";
     "formula" = "as many cells as keep edges within a quarter of a pixel, by a bound of the second derivative";
     "query" = "twice as many in each frame, until precise occlusion queries count no more pixels";
     "elsewhere" = "as counted pixels find it obliquely, drawn from above";

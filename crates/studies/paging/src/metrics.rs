@@ -31,6 +31,8 @@ terrafill_results::conditions! {
     "missing" = "showing a coarser page than the footprint of a pixel asks for";
     "later" = "counts are read when they are two frames old";
     "at-once" = "each frame waits for its counts";
+    "counts are read" = "when a frame reads how many pixels each leaf had: never, two frames later, or at once";
+    "pixels a side" = "columns and rows of the window";
     "spike" = "a frame that takes much longer than others";
 }
 
@@ -54,10 +56,10 @@ terrafill_results::metrics! {
     PAGING_FRAME_MAX_WALL_MS = Metric::time_ms("paging_frame_max_wall_ms", "The same by the wall clock.")
         .covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK));
     PAGING_UPDATE_MS = Metric::time_ms(
-        "paging_update_ms",
+        "paging_update_wall_ms",
         "Wall clock of an update: taking counts over, deciding, reading pages from the file and sending them until the device has them; mean of the frames in which the eye moves.",
     ).covering(Scope::PLAN.and(Scope::UPLOAD).and(Scope::READ_BACK));
-    PAGING_UPDATE_MAX_MS = Metric::time_ms("paging_update_max_ms", "Wall clock of a flight's longest update.")
+    PAGING_UPDATE_MAX_MS = Metric::time_ms("paging_update_max_wall_ms", "Wall clock of a flight's longest update.")
         .covering(Scope::PLAN.and(Scope::UPLOAD).and(Scope::READ_BACK));
     PAGING_DRAW_CPU_MS = Metric::time_ms(
         "paging_draw_cpu_ms",

@@ -583,14 +583,14 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
             .contains("llvmpipe (software: it runs on the CPU)")
     );
     let not_met = line(&found.index);
-    assert!(not_met.starts_with("<li class=\"bad\">") && not_met.contains("All are right."));
+    assert!(not_met.starts_with("<li class=\"bad\">") && not_met.contains("All are right"));
     assert!(found.index.contains(
-        "Requirements</a>: 1 not met.<br><span class=\"detail\">not met: All are right.</span>"
+        "Requirements</a>: 1 not met.<br><span class=\"detail\">not met: All are right</span>"
     ));
     assert!(
         found
             .markdown
-            .contains("- All are right. **does not hold**")
+            .contains("- All are right: **does not hold**")
     );
     assert!(found.index.contains("By another clock."));
     // What fills pages is not on the first one.
@@ -600,7 +600,7 @@ fn the_first_page_answers_and_what_is_required_is_met_or_not() {
     good.cases.truncate(1);
     let good = report(&good);
     let met = line(&good.index);
-    assert!(met.starts_with("<li class=\"good\">") && met.contains("All are right."));
+    assert!(met.starts_with("<li class=\"good\">") && met.contains("All are right"));
 }
 
 #[test]

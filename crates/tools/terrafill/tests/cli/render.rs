@@ -957,8 +957,8 @@ fn a_case_of_a_study_is_drawn_judged_and_named() {
     // Negative controls: what no case has, and what only scenes have.
     for (arguments, complaint) in [
         (
-            ["globes/barer", "--view", "globe"],
-            "did you mean \"bare\"?",
+            ["decals/campos", "--view", "nadir"],
+            "did you mean \"campus\"?",
         ),
         (["decals/campus", "--view", "cellar"], "nadir"),
         (
