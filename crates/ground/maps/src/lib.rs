@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Maps in tiles over a body: Web Mercator's coordinates, tiles and levels, polar caps where it ends, pictures cut into both, and the
-//! ways to keep a triangle across ±180° in one piece (A. Jeromel, StuCoSReC 2018, pp. 39–42).
+//! ways to keep a triangle across ±180° in one piece (A. Jeromel, StuCoSReC 2018, pp. 39–42). Tiles that come and go:
+//! slots that hold them, and a thread that reads them.
 
 mod cap;
 mod cut;
+mod loader;
 mod seam;
+mod slots;
 mod tile;
 
 pub use cap::{CAP_SPAN, cap_point};
 pub use cut::{PictureLevel, cut_cap, cut_tile};
+pub use loader::Loader;
 pub use seam::{Seam, SeamCorner, fragment_u, half_plane_crossings, split};
+pub use slots::{Placed, Slots};
 pub use tile::{MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, place};

@@ -3,7 +3,7 @@
 //! frame shows stays, and the whole texture's page always does.
 
 use crate::texture::{Page, Texture};
-use std::collections::BTreeMap;
+use terrafill_maps::{Placed, Slots};
 
 /// Of an entry of the page table: the tree ends at this page.
 pub(crate) const LEAF: u32 = 1 << 31;
@@ -28,9 +28,7 @@ pub(crate) struct Loads {
 /// Slots and the page table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Residency {
-    /// Of each slot, its page and the frame that wanted it last.
-    slots: Vec<Option<(Page, usize)>>,
-    by_page: BTreeMap<Page, usize>,
+    slots: Slots<Page>,
     table: Vec<u32>,
 }
 
@@ -38,8 +36,7 @@ impl Residency {
     /// Nothing is in a slot.
     pub(crate) fn new(texture: &Texture, slots: usize) -> Self {
         Self {
-            slots: vec![None; slots],
-            by_page: BTreeMap::new(),
+            slots: Slots::new(slots),
             table: vec![0; texture.page_count() as usize],
         }
     }
@@ -59,10 +56,8 @@ impl Residency {
         }
     }
 
-    /// The page that is shown where `page` is wanted: itself, or the nearest that it is a part of.
     fn shown(&self, page: Page) -> Option<Page> {
-        let mut pages = std::iter::successors(Some(page), |page| page.parent());
-        pages.find(|page| self.by_page.contains_key(page))
+        self.slots.shown(page, |page| page.parent())
     }
 
     /// Chooses what a frame reads, and takes it for read.
@@ -71,49 +66,29 @@ impl Residency {
     /// - `budget`: at most so many pages
     pub(crate) fn request(&mut self, wanted: &[Page], frame: usize, budget: usize) -> Loads {
         for page in wanted.iter().copied().chain([Page::ROOT]) {
-            let slot = self.shown(page).map(|shown| self.by_page[&shown]);
-            if let Some((_, last)) = slot.and_then(|slot| self.slots[slot].as_mut()) {
-                *last = frame;
+            if let Some(shown) = self.shown(page) {
+                self.slots.uses(shown, frame);
             }
         }
         let mut found = Loads::default();
         // The whole texture comes first: with it every pixel shows something.
         let all = std::iter::once(Page::ROOT).chain(wanted.iter().copied());
         for page in all {
-            if self.by_page.contains_key(&page) || found.loads.len() == budget {
+            if self.slots.holds(page) || found.loads.len() == budget {
                 continue;
             }
-            match self.room(frame) {
-                Some(slot) => {
-                    self.place(page, slot, frame);
+            match self.slots.place(page, frame) {
+                Some(Placed { slot, evicted }) => {
+                    if let Some(evicted) = evicted {
+                        self.table[evicted.number()] &= !SLOT;
+                    }
+                    self.table[page.number()] |= u32::try_from(slot + 1).unwrap_or(SLOT);
                     found.loads.push(Load { page, slot });
                 }
                 None => found.without_slot += 1,
             }
         }
         found
-    }
-
-    /// A slot that is empty, or the one that was wanted longest ago before this frame.
-    fn room(&self, frame: usize) -> Option<usize> {
-        if let Some(empty) = self.slots.iter().position(Option::is_none) {
-            return Some(empty);
-        }
-        let slots = self.slots.iter().enumerate();
-        let taken = slots.filter_map(|(slot, held)| Some((held.as_ref()?.1, slot)));
-        let old = taken.filter(|(last, _)| *last < frame);
-        old.min().map(|(_, slot)| slot)
-    }
-
-    fn place(&mut self, page: Page, slot: usize, frame: usize) {
-        if let Some((evicted, _)) = self.slots[slot] {
-            self.by_page.remove(&evicted);
-            self.table[evicted.number()] &= !SLOT;
-        }
-        self.slots[slot] = Some((page, frame));
-        self.by_page.insert(page, slot);
-        let number = u32::try_from(slot + 1).unwrap_or(SLOT);
-        self.table[page.number()] |= number;
     }
 }
 
