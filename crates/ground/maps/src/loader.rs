@@ -4,6 +4,7 @@
 //! Tiles that the newest frames began to want come first. What no frame wants any more is not read, and what was read
 //! for nothing is dropped.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
@@ -21,6 +22,7 @@ struct State<K> {
     reading: Option<Wish<K>>,
     arrived: Vec<(Wish<K>, Vec<u8>)>,
     cancelled: usize,
+    cpu_ms: f64,
     failed: Option<String>,
     ends: bool,
 }
@@ -32,6 +34,7 @@ impl<K> Default for State<K> {
             reading: None,
             arrived: Vec::new(),
             cancelled: 0,
+            cpu_ms: 0.0,
             failed: None,
             ends: false,
         }
@@ -138,6 +141,12 @@ impl<K: Copy + Ord + Send + 'static> Loader<K> {
     pub fn cancelled(&self) -> usize {
         self.shared.lock().cancelled
     }
+
+    /// CPU time of the thread, until the tile that it read last.
+    #[must_use]
+    pub fn cpu_ms(&self) -> f64 {
+        self.shared.lock().cpu_ms
+    }
 }
 
 impl<K> Drop for Loader<K> {
@@ -163,6 +172,8 @@ fn work<K: Copy + Ord>(shared: &Shared<K>, read: impl Fn(K) -> Result<Vec<u8>, S
         drop(state);
         let found = read(wish.tile);
         state = shared.lock();
+        let used = clock_gettime(ClockId::ThreadCPUTime);
+        state.cpu_ms = used.tv_sec as f64 * 1e3 + used.tv_nsec as f64 * 1e-6;
         state.reading = None;
         match found {
             Ok(texels) => state.arrived.push((wish, texels)),
@@ -228,6 +239,7 @@ mod tests {
         assert_eq!(loader.exchange(1, &[7], 9), Ok(Vec::new()));
         release.send(()).expect("heard");
         assert_eq!(until(2, &[7]), Ok(vec![(7, vec![7])]));
+        assert!(loader.cpu_ms() > 0.0 && loader.cpu_ms() < 20_000.0);
         release.send(()).expect("heard");
         // Negative control.
         assert_eq!(until(3, &[700]), Err("tile 700".to_owned()));

@@ -74,6 +74,7 @@ impl Chapter for GlobesChapter {
             tiled::choose::SECTION,
             tiled::stage::SECTION,
             tiled::picture::SECTION,
+            tiled::loading::SECTION,
             made::SECTION,
             counts::SECTION,
             zones::SECTION,

@@ -14,9 +14,11 @@ terrafill_results::conditions! {
     HOURS = "hours", "for which clouds have moved";
     HYSTERESIS = "hysteresis", "how many times the pixels at which a node merges it splits at; 1: at the same";
     KNOB = "knob", "what makes a surface finer";
+    LATENCY_MS = "latency_ms", "wait that is added to reading each tile, as a network might have, milliseconds";
     LAW = "law", "how vertices stand apart along a spiral";
     LEVEL = "level", "how a tile's level is chosen";
     LIMIT = "limit", "error that is allowed, pixels";
+    LOADING = "loading", "when tiles are read: beside frames, by frames that wait, or before the first";
     LOOKUP = "lookup", "how a texel is looked up";
     MERCATOR = "mercator", "where latitude becomes a place in a Web Mercator map";
     PATH = "path", "of the camera";
@@ -55,6 +57,12 @@ terrafill_results::conditions! {
     "spikes" = "thin mountains, which a level of detail may lose";
     "globe" = "the view of the whole globe";
     "zoom" = "a path towards the ground";
+    "descent" = "the eye comes down from 3,000 km to 30 km";
+    "turn" = "the eye moves along the ground at 40 km and turns by a quarter";
+    "background" = "tiles are read by a thread beside frames, which show what has come";
+    "foreground" = "tiles are read by the frames that want them, which wait";
+    "all-there" = "tiles are read before the first frame";
+    "given up" = "requests for tiles that no frame wanted any more";
     "frames" = "frames until nothing changes any more";
     "transfer" = "a tile that is sent to the device";
     "triangles" = "triangles of the surface";
@@ -81,6 +89,11 @@ terrafill_results::conditions! {
 /// Pixels of some sort, of which neither more nor fewer are better.
 const fn pixels(name: &'static str, meaning: &'static str) -> Metric {
     Metric::neither(name, "px", Kind::Counter, meaning)
+}
+
+/// What a flight does that reads tiles meanwhile: how much depends on how fast frames and files are.
+const fn loading(name: &'static str, unit: &'static str, meaning: &'static str) -> Metric {
+    Metric::less(name, unit, Kind::Time, meaning).covering(Scope::PLAN.and(Scope::FRAME))
 }
 
 terrafill_results::metrics! {
@@ -230,6 +243,60 @@ terrafill_results::metrics! {
     GLOBE_CHOOSE_CPU_MS = Metric::time_ms(
         "globe_choose_cpu_ms",
         "Process CPU time of choosing a frame's tiles by what the grid's corners ask for.",
+    ).covering(Scope::PLAN);
+    GLOBE_LOAD_WRONG_PX = Metric::error_px(
+        "globe_load_wrong_px",
+        "Pixels of the judged frames that show another texel than that of the finest tile that is there, by more than rounding explains; at most 0.",
+    );
+    GLOBE_LOAD_JUDGED_PX = pixels("globe_load_judged_px", "Pixels of the judged frames of a flight.");
+    GLOBE_LOAD_COARSE_LAST_PX = Metric::less(
+        "globe_load_coarse_last_px",
+        "px",
+        Kind::Counter,
+        "Pixels of a flight's last frame that show a coarser level than they want: what the choice of tiles leaves out.",
+    );
+    GLOBE_LOAD_STEADY_BYTES = Metric::bytes(
+        "globe_load_steady_bytes",
+        "Bytes that the last three frames of a flight send, whose eye rests and which lack no tile.",
+    );
+    GLOBE_LOAD_FILE_BYTES = Metric::neither(
+        "globe_load_file_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of the files of all tiles of a flight.",
+    );
+    GLOBE_LOAD_COARSE = loading(
+        "globe_load_coarse",
+        "frames",
+        "Share of a frame's pixels that show a coarser level than they want, summed over a flight's frames. Of frames that are not judged, every fourth pixel of every fourth row is asked.",
+    );
+    GLOBE_LOAD_REST_FRAMES = loading(
+        "globe_load_rest_frames",
+        "frames",
+        "Frames after the eye has come to rest until the last tile is sent.",
+    );
+    GLOBE_LOAD_CANCELLED = loading(
+        "globe_load_cancelled",
+        "tiles",
+        "Requests for tiles that frames gave up, before they were read or after.",
+    );
+    GLOBE_LOAD_SENT_MAX = loading("globe_load_sent_max", "tiles", "Tiles that a flight's frame sends, most of one.");
+    GLOBE_LOAD_BYTES = loading("globe_load_bytes", "bytes", "Bytes that a flight's frames send, tiles and all else.");
+    GLOBE_LOAD_BYTES_MAX = loading("globe_load_bytes_max", "bytes", "The same, most of a frame.");
+    GLOBE_LOAD_SPIKE = loading("globe_load_spike", "", "Wall clock of a flight's longest frame over that of its median frame.");
+    GLOBE_LOAD_FRAME_WALL_MS = Metric::time_ms(
+        "globe_load_frame_wall_ms",
+        "Wall clock of a frame of a flight: making the grid, choosing, taking or reading, sending, and drawing until the device is done; median of its frames.",
+    ).covering(Scope::PLAN.and(Scope::FRAME));
+    GLOBE_LOAD_FRAME_MAX_WALL_MS =
+        Metric::time_ms("globe_load_frame_max_wall_ms", "The same, longest.").covering(Scope::PLAN.and(Scope::FRAME));
+    GLOBE_LOAD_FRAME_CPU_MS = Metric::time_ms(
+        "globe_load_frame_cpu_ms",
+        "Process CPU time of a flight without that of the thread that reads, over its frames.",
+    ).covering(Scope::PLAN.and(Scope::FRAME));
+    GLOBE_LOAD_THREAD_CPU_MS = Metric::time_ms(
+        "globe_load_thread_cpu_ms",
+        "CPU time of the thread that reads tiles beside a flight's frames.",
     ).covering(Scope::PLAN);
     GLOBE_TILE_CROSSING = Metric::quantity("globe_tile_crossing", "Triangles across ±180° that hold no pole.");
     GLOBE_TILE_MISSED = Metric::error("globe_tile_missed", "", "Of them, those that the seam's rule leaves whole.");

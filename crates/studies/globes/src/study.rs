@@ -8,6 +8,7 @@ use crate::metrics::METRICS;
 use crate::opened::Opened;
 use crate::shading::{self, Shadings};
 use crate::sight::{SurfacesView, works};
+use crate::tiled::loading::Loadings;
 use crate::tiled::options::Options;
 use crate::tiled::picture::{self, Pictured};
 use crate::tiled::stage::Stages;
@@ -15,6 +16,7 @@ use crate::tiled::{self, Tiled, cells};
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
+use std::sync::Arc;
 use terrafill_results::Skipped;
 use terrafill_study::{Depth, Group, Planned, Request, Study, StudyError};
 use terrafill_surface::SurfaceKind;
@@ -79,9 +81,17 @@ impl Study for GlobesStudy {
                 }
                 groups.push(Box::new(Stages::planned(view, sizes, &opened)));
             }
+            groups.push(Box::new(Loadings::planned(
+                sizes.0, is_quick, None, &opened,
+            )));
             match picture::blue_marble(request.data_dir.as_deref()) {
                 Ok((of_earth, read)) => {
                     inputs.extend(read);
+                    if !is_quick {
+                        let named = Some((Arc::clone(&of_earth), picture::SCENE));
+                        let loaded = Loadings::planned(sizes.0, is_quick, named, &opened);
+                        groups.push(Box::new(loaded));
+                    }
                     let views = &list.tiled_view;
                     let pictured = Pictured::planned(views, sizes, is_quick, of_earth, &opened);
                     groups.push(Box::new(pictured));

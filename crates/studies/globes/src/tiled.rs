@@ -5,6 +5,7 @@
 pub(crate) mod cells;
 pub(crate) mod choose;
 mod device;
+pub(crate) mod loading;
 mod mesh;
 pub(crate) mod options;
 pub(crate) mod picture;

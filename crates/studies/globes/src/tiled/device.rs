@@ -5,7 +5,7 @@ use super::mesh::{MapMesh, origin};
 use super::options::{Drawing, Options, Seam};
 use super::tile_set::{Content, TileSet};
 use super::truth::{MAX_LEVEL, Tile};
-use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
+use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, write_layers, written};
 use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::collections::BTreeMap;
@@ -101,6 +101,9 @@ pub(crate) struct MapScene {
     level: Option<u32>,
 }
 
+/// Comes after all tiles, and is none.
+const NO_TILE: [u32; 4] = [u32::MAX; 4];
+
 /// As the shader searches them.
 pub(crate) fn keys<'t>(tiles: impl IntoIterator<Item = &'t Tile>) -> Vec<[u32; 4]> {
     tiles.into_iter().map(|tile| tile.key()).collect()
@@ -134,12 +137,12 @@ fn texel_entries(
         wgpu::TextureSampleType::Float { filterable: false }
     };
     let view_dimension = match drawing {
-        Drawing::Array => wgpu::TextureViewDimension::D2Array,
+        Drawing::Array | Drawing::Slots => wgpu::TextureViewDimension::D2Array,
         Drawing::DrawEach | Drawing::Atlas | Drawing::Bindless => wgpu::TextureViewDimension::D2,
     };
     let count = match drawing {
         Drawing::Bindless => NonZeroU32::new(u32::try_from(count).unwrap_or(u32::MAX)),
-        Drawing::Array | Drawing::Atlas | Drawing::DrawEach => None,
+        Drawing::Array | Drawing::Atlas | Drawing::DrawEach | Drawing::Slots => None,
     };
     let mut entries = vec![wgpu::BindGroupLayoutEntry {
         binding: u32::from(is_picture),
@@ -186,6 +189,8 @@ impl MapTargets {
         let (path, entry_point, layouts) = match (drawing, is_picture) {
             (Drawing::Array, false) => (MAP, "whole_map", vec![Some(texels)]),
             (Drawing::Array, true) => (MAP, "whole_picture", vec![Some(texels)]),
+            (Drawing::Slots, false) => (MAP, "nearest_map", vec![Some(texels)]),
+            (Drawing::Slots, true) => (MAP, "nearest_picture", vec![Some(texels)]),
             (Drawing::Atlas, _) => (MAP, "atlas_map", vec![None, None, Some(texels)]),
             (Drawing::DrawEach, _) => (MAP, "one_tile", vec![None, Some(texels)]),
             (Drawing::Bindless, _) => (BINDLESS, "every_tile", vec![Some(texels)]),
@@ -219,20 +224,49 @@ impl MapTargets {
         level: Option<u32>,
         (tiles, content): (Vec<Tile>, Content),
     ) -> Result<MapScene, DeviceError> {
-        let gpu = Arc::clone(&self.canvas.gpu);
         let keys = keys(&tiles);
-        let set = TileSet::new(&gpu, tiles, &content, options.drawing)?;
-        let entries = texel_entries(options.drawing, &content, keys.len());
+        let set = TileSet::new(&self.canvas.gpu, tiles, &content, options.drawing)?;
+        self.scene_of(options, level, &content, (set, &keys))
+    }
+
+    /// Slots for tiles that come and go, of which none is there yet.
+    ///
+    /// # Errors
+    /// As [`TileSet::new`].
+    pub(crate) fn slots(
+        &mut self,
+        options: &Options,
+        count: u32,
+        content: &Content,
+    ) -> Result<MapScene, DeviceError> {
+        let set = TileSet::empty(&self.canvas.gpu, count, content)?;
+        self.scene_of(
+            options,
+            None,
+            content,
+            (set, &vec![NO_TILE; count as usize]),
+        )
+    }
+
+    fn scene_of(
+        &mut self,
+        options: &Options,
+        level: Option<u32>,
+        content: &Content,
+        (set, keys): (TileSet, &[[u32; 4]]),
+    ) -> Result<MapScene, DeviceError> {
+        let gpu = Arc::clone(&self.canvas.gpu);
+        let entries = texel_entries(options.drawing, content, keys.len());
         let layout = gpu
             .device
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some("texels"),
                 entries: &entries,
             });
-        let pipeline = self.pipeline(options.drawing, &content, &layout)?;
+        let pipeline = self.pipeline(options.drawing, content, &layout)?;
         let view = uniform::<ViewConstants>(&gpu, "view constants");
         let map = uniform::<MapConstants>(&gpu, "map constants");
-        let bytes = bytemuck::cast_slice(&keys);
+        let bytes = bytemuck::cast_slice(keys);
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let list = gpu.upload("tiles", bytes, usage)?;
         let bind_group = gpu.bind_buffers("map", &self.layout, &[&view, &map, &list]);
@@ -247,7 +281,7 @@ impl MapTargets {
             group: match options.drawing {
                 Drawing::Atlas => 4,
                 Drawing::DrawEach => 3,
-                Drawing::Array | Drawing::Bindless => 2,
+                Drawing::Array | Drawing::Bindless | Drawing::Slots => 2,
             },
             texels: texels(&gpu, &layout, &set, (options.drawing, entries[0].binding))?,
             set,
@@ -295,6 +329,33 @@ impl MapTargets {
         bytes.len() as u64
     }
 
+    /// Hands over which tiles are in which slots; bytes that were sent.
+    ///
+    /// - `held`: sorted by tile
+    pub(crate) fn send_slots(
+        &self,
+        scene: &MapScene,
+        held: impl Iterator<Item = (Tile, usize)>,
+    ) -> u64 {
+        let key = |(tile, slot): (Tile, usize)| {
+            let [level, row, column, _] = tile.key();
+            [level, row, column, u32::try_from(slot).unwrap_or(u32::MAX)]
+        };
+        let mut keys: Vec<[u32; 4]> = held.map(key).collect();
+        let all = scene.set.textures[0].depth_or_array_layers();
+        keys.resize(all as usize, NO_TILE);
+        let bytes: &[u8] = bytemuck::cast_slice(&keys);
+        self.canvas.gpu.write_buffer(&scene.tiles, 0, bytes);
+        bytes.len() as u64
+    }
+
+    /// Hands over a tile's texels; bytes that were sent.
+    pub(crate) fn send_texels(&self, scene: &MapScene, slot: usize, texels: &[u8]) -> u64 {
+        let slot = u32::try_from(slot).unwrap_or(u32::MAX);
+        write_layers(&self.canvas.gpu, &scene.set.textures[0], slot, texels);
+        texels.len() as u64
+    }
+
     /// Draws, waits, and gives the GPU's time.
     pub(crate) fn draw(&self, scene: &MapScene) -> Result<Option<f64>, DeviceError> {
         let mut encoder = self.canvas.frame();
@@ -340,7 +401,7 @@ fn texels(
         })
     };
     match drawing {
-        Drawing::Array => {
+        Drawing::Array | Drawing::Slots => {
             let all = set.view(0, None);
             let resource = wgpu::BindingResource::TextureView(&all);
             Ok(vec![bind(&[entry(binding, resource)])])

@@ -54,6 +54,8 @@ terrafill_results::named! {
         Atlas = "atlas",
         /// In one draw, from as many textures as there are tiles, chosen by each fragment.
         Bindless = "bindless",
+        /// In one draw, from an array of the tiles that are there: for others their nearest ancestor.
+        Slots = "slots",
     }
 }
 

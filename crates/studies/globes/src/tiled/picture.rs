@@ -40,7 +40,7 @@ use terrafill_surface::SurfaceFrame;
 /// Name of this part in cases.
 pub(crate) const PART: &str = "picture";
 /// Whose picture it is: the scene names file and hash.
-const SCENE: &str = "blue-marble";
+pub(crate) const SCENE: &str = "blue-marble";
 /// Views of a quick run, and of others.
 const QUICK_VIEWS: [&str; 2] = ["globe", "globe-antimeridian"];
 const VIEWS: [&str; 5] = [
@@ -164,7 +164,7 @@ struct PicturePart<'a> {
 }
 
 /// Colours of a tile, cut from a picture.
-fn cut(picture: &MipChain, tile: Tile) -> Vec<u8> {
+pub(crate) fn cut(picture: &MipChain, tile: Tile) -> Vec<u8> {
     let levels: Vec<PictureLevel<'_>> = levels(picture);
     match tile {
         Tile::Map { level, row, column } => {
@@ -211,7 +211,7 @@ impl ColourErrors {
     }
 }
 
-fn colour_of(tiles: &BTreeMap<Tile, Vec<u8>>, texel: Texel) -> Option<[u8; 4]> {
+pub(crate) fn colour_of(tiles: &BTreeMap<Tile, Vec<u8>>, texel: Texel) -> Option<[u8; 4]> {
     let texels = tiles.get(&texel.tile)?;
     let at = 4 * (texel.y * SIDE + texel.x) as usize;
     texels.get(at..at + 4)?.try_into().ok()

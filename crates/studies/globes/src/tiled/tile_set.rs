@@ -50,7 +50,7 @@ pub(crate) struct TileSet {
 fn check_capacity(gpu: &Gpu, drawing: Drawing, found: usize) -> Result<(), DeviceError> {
     let limits = gpu.device.limits();
     let (what, allowed) = match drawing {
-        Drawing::Array | Drawing::DrawEach => (
+        Drawing::Array | Drawing::DrawEach | Drawing::Slots => (
             "tiles of the map in one array",
             limits.max_texture_array_layers,
         ),
@@ -161,13 +161,28 @@ impl TileSet {
         check_capacity(gpu, drawing, tiles.len())?;
         let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
         let textures = match drawing {
-            Drawing::Array | Drawing::DrawEach => vec![of_layers(gpu, content, 0..count)],
+            Drawing::Array | Drawing::DrawEach | Drawing::Slots => {
+                vec![of_layers(gpu, content, 0..count)]
+            }
             Drawing::Atlas => vec![of_atlas(gpu, content, count)],
             Drawing::Bindless => (0..count)
                 .map(|tile| of_layers(gpu, content, tile..tile + 1))
                 .collect(),
         };
         Ok(Self { tiles, textures })
+    }
+
+    /// Layers that tiles come into later.
+    ///
+    /// # Errors
+    /// As [`TileSet::new`].
+    pub(crate) fn empty(gpu: &Gpu, count: u32, content: &Content) -> Result<Self, DeviceError> {
+        check_capacity(gpu, Drawing::Slots, count as usize)?;
+        let size = [SIDE, SIDE, count];
+        Ok(Self {
+            tiles: Vec::new(),
+            textures: vec![texture(gpu, "slots of tiles", size, content.format())],
+        })
     }
 
     /// A view of one texture's layers, of all or of a single one.

@@ -44,6 +44,18 @@ impl Tile {
         }
     }
 
+    /// What it is a quarter of; the whole map and caps are in none.
+    pub(crate) fn parent(&self) -> Option<Self> {
+        let Self::Map { level, row, column } = *self else {
+            return None;
+        };
+        Some(Self::Map {
+            level: level.checked_sub(1)?,
+            row: row / 2,
+            column: column / 2,
+        })
+    }
+
     /// Along the side of the picture that it is a part of.
     pub(crate) fn texels(self) -> f64 {
         match self {
@@ -118,6 +130,24 @@ pub(crate) fn truths(eye: &Eye, frame: &SurfaceFrame) -> Vec<Option<Truth>> {
         }
     }
     truths
+}
+
+/// The same of every so manyth pixel of every so manyth row; what is beside them is not known.
+pub(crate) fn truths_of_every(eye: &Eye, frame: &SurfaceFrame, step: u32) -> Vec<Truth> {
+    let triangles = SurfaceTriangles::new(frame);
+    let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
+    let rows = (0..eye.size.height).into_par_iter().step_by(step as usize);
+    let of_row = |row: u32| {
+        let mut known = MapFacet::default();
+        let columns = (0..eye.size.width).step_by(step as usize);
+        let of_pixel = |column: u32| {
+            let centre = [column, row].map(|at| f64::from(at) + 0.5);
+            let direction = eye.camera.direction_ecef(eye.size, centre);
+            truth(eye, [&triangles, &body], (centre, direction), &mut known)
+        };
+        columns.filter_map(of_pixel).collect::<Vec<_>>()
+    };
+    rows.flat_map_iter(of_row).collect()
 }
 
 /// Shares of a triangle's corners where a ray from the eye meets its plane.
