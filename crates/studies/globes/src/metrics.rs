@@ -268,7 +268,7 @@ terrafill_results::metrics! {
     GLOBE_LOAD_COARSE = loading(
         "globe_load_coarse",
         "frames",
-        "Share of a frame's pixels that show a coarser level than they want, summed over a flight's frames. Of frames that are not judged, every fourth pixel of every fourth row is asked.",
+        "Share of a frame's pixels that show a coarser level than they want, summed over a flight's frames. Every fourth pixel of every fourth row is asked.",
     );
     GLOBE_LOAD_REST_FRAMES = loading(
         "globe_load_rest_frames",

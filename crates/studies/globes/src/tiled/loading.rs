@@ -23,9 +23,9 @@ use crate::sight::fingerprint;
 use figures::{of_flight, of_frames, steady, trace};
 use files::TileFiles;
 use flight::{
-    Course, Flight, FlightRecord, Loading, MOVING, OPTIONS, Path, SLOTS, Stage, fly, wanted_tile,
+    Course, Flight, FlightRecord, Loading, MOVING, OPTIONS, Path, SLOTS, STEP_PX, Stage, fly,
 };
-use judge::{Judged, is_part, judge};
+use judge::{Judged, is_coarse, judge};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -42,10 +42,10 @@ pub(crate) const PART: &str = "loading";
 const MAX_SIDE_PX: u32 = 256;
 /// Pixels that may be right beside their middle alone: `f32` keeps a place of level 11 to some 1/32 of a texel.
 const MAX_BAND_PERCENT: usize = 3;
-/// Flights of a process.
-const SAMPLES: u32 = 1;
+/// Flights of a process. Those over a picture send the same bytes as others, and are judged alone.
+const SAMPLES: [u32; 2] = [1, 0];
 /// The frame of which the report has a picture beside the last.
-const PICTURED: usize = 13;
+const PICTURED: usize = 3;
 /// Note of the hash of the last picture.
 const LAST: &str = "last";
 
@@ -108,21 +108,26 @@ fn flights(is_quick: bool, of_picture: bool) -> Vec<Flight> {
     paths.iter().flat_map(of).collect()
 }
 
-fn case(flight: &Flight, side_px: u32, pictures: &str) -> PlannedCase {
+fn case(flight: &Flight, side_px: u32, pictures: Option<&str>) -> PlannedCase {
     let transfers = match flight.budget {
         usize::MAX => "any".to_owned(),
         tiles => tiles.to_string(),
     };
     let conditions: [(ConditionKey, String); 7] = [
         (metrics::PART, PART.to_owned()),
-        (PICTURES, pictures.to_owned()),
+        (PICTURES, pictures.unwrap_or("addresses").to_owned()),
         (PATH, flight.path.name().to_owned()),
         (LOADING, flight.loading.name().to_owned()),
         (TRANSFERS, transfers),
         (LATENCY_MS, flight.latency_ms.to_string()),
         (SIZE_PX, side_px.to_string()),
     ];
-    planned_case(STUDY, SAMPLES, conditions, None)
+    planned_case(
+        STUDY,
+        SAMPLES[usize::from(pictures.is_some())],
+        conditions,
+        None,
+    )
 }
 
 impl Loadings {
@@ -135,10 +140,10 @@ impl Loadings {
     ) -> CaseGroup<Self> {
         let side_px = side_px.min(MAX_SIDE_PX);
         let flights = flights(is_quick, picture.is_some());
-        let name = picture.as_ref().map_or("addresses", |(_, name)| name);
+        let name = picture.as_ref().map(|(_, name)| *name);
         let cases = flights.iter().map(|flight| case(flight, side_px, name));
         CaseGroup {
-            name: format!("{STUDY}/{PART}/{name}"),
+            name: format!("{STUDY}/{PART}/{}", name.unwrap_or("addresses")),
             cases: cases.collect(),
             // The flight that is judged warms it.
             warm_up: Some(0),
@@ -181,7 +186,7 @@ struct ShownFrame {
     /// Where tiles hold colours.
     colours: Vec<[u8; 4]>,
     held: BTreeSet<Tile>,
-    /// Pixels that show a coarser level than they want, by the tiles that are held.
+    /// Of every [`STEP_PX`] pixels those that show a coarser level than they want, by the tiles that are held.
     coarse: u64,
 }
 
@@ -198,8 +203,7 @@ impl LoadingPart<'_> {
         }
         let work = &self.group.work;
         let surface = grid(&work.opened, OPTIONS.n)?;
-        let is_judged = |frame| is_judged(frame) || frame + 1 == MOVING;
-        let course = Course::new(path, work.side_px, surface, is_judged)?;
+        let course = Course::new(path, work.side_px, surface)?;
         let tiles = &course.tiles;
         let picture = &work.picture;
         let texels = |number: usize| match picture {
@@ -310,9 +314,20 @@ fn other_colours(frame: &ShownFrame, course: &Course, files: &TileFiles) -> Resu
     Ok(others)
 }
 
+/// Of every [`STEP_PX`] pixels those that show a coarser level than they want.
+fn of_every(frame: &ShownFrame, truths: &[Option<Truth>], side_px: u32) -> u64 {
+    let on_lattice =
+        |at: &u32| (at % side_px).is_multiple_of(STEP_PX) && (at / side_px).is_multiple_of(STEP_PX);
+    let pixels = (0..).zip(frame.shown.iter().zip(truths));
+    let pixels = pixels.filter(|(at, _)| on_lattice(at));
+    let is_coarse = |(shown, truth): (&Shown, &Option<Truth>)| {
+        truth.as_ref().is_some_and(|truth| is_coarse(truth, shown))
+    };
+    pixels.filter(|(_, pixel)| is_coarse(*pixel)).count() as u64
+}
+
 /// A colour for each level, darker in every other texel, and pale where it is coarser than wanted.
-fn of_levels(frame: &ShownFrame, course: &Course) -> Vec<[u8; 3]> {
-    let truths = course.truths(frame.frame).unwrap_or_default();
+fn of_levels(frame: &ShownFrame, truths: &[Option<Truth>]) -> Vec<[u8; 3]> {
     let pixels = frame.shown.iter().zip(truths);
     let colour = |(shown, truth): (&Shown, &Option<Truth>)| {
         let (Shown::Texel(texel), Some(truth)) = (shown, truth) else {
@@ -321,9 +336,7 @@ fn of_levels(frame: &ShownFrame, course: &Course) -> Vec<[u8; 3]> {
         let [level, ..] = texel.tile.key();
         let is_odd = (texel.x / 16 + texel.y / 16) % 2 == 1;
         let strength = if is_odd { 0.8 } else { 1.0 };
-        let wanted = wanted_tile(truth);
-        let is_coarse = wanted != texel.tile && is_part(wanted, texel.tile);
-        let pale = if is_coarse { 0.6 } else { 0.0 };
+        let pale = if is_coarse(truth, shown) { 0.6 } else { 0.0 };
         let turn = f64::from(level) * 0.19;
         [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|phase| {
             let hue = 0.5 + 0.5 * (std::f64::consts::TAU * (turn + phase)).cos();
@@ -343,13 +356,18 @@ fn byte(share: f64) -> u8 {
 }
 
 impl LoadingPart<'_> {
-    fn write(&self, case: usize, frame: &ShownFrame, course: &Course) -> Result<String, String> {
+    fn write(
+        &self,
+        case: usize,
+        frame: &ShownFrame,
+        truths: &[Option<Truth>],
+    ) -> Result<String, String> {
         let is_last = frame.frame >= MOVING;
         let stem = self.group.cases[case].id.name.replace('/', "-");
         let name = format!("{stem}-{}", if is_last { "last" } else { "before" });
         let size = [self.group.work.side_px; 2];
         let pixels = if frame.colours.is_empty() {
-            of_levels(frame, course)
+            of_levels(frame, truths)
         } else {
             frame.colours.iter().map(|[rgb @ .., _]| *rgb).collect()
         };
@@ -369,11 +387,11 @@ impl Session for LoadingPart<'_> {
             ("bytes", trace(&record, |of| of.bytes as f64)),
         ];
         for frame in &frames {
-            let truths = course.truths(frame.frame);
-            let truths = truths.ok_or("a frame without its truth is judged".to_owned())?;
-            let found = judge(truths, &frame.shown, &frame.held);
-            if (found.coarse as u64).abs_diff(frame.coarse) > found.in_band as u64 {
-                let (shows, tiles) = (found.coarse, frame.coarse);
+            let truths = course.truths(frame.frame)?;
+            let found = judge(&truths, &frame.shown, &frame.held);
+            let shows = of_every(frame, &truths, self.group.work.side_px);
+            if shows.abs_diff(frame.coarse) > found.in_band as u64 {
+                let tiles = frame.coarse;
                 reason = format!(
                     "{shows} pixels show a coarser level than they want, by the tiles that are there {tiles}"
                 );
@@ -387,7 +405,7 @@ impl Session for LoadingPart<'_> {
             let is_last = frame.frame >= MOVING;
             if is_last || frame.frame == PICTURED {
                 let note = if is_last { "picture" } else { "before" };
-                notes.push((note, self.write(case, frame, course)?));
+                notes.push((note, self.write(case, frame, &truths)?));
             }
         }
         if all.wrong > 0 {

@@ -9,7 +9,9 @@ use crate::tiled::mesh::{MapMesh, map_mesh};
 use crate::tiled::options::{Drawing, Options};
 use crate::tiled::tile_set::{SIDE, address};
 use crate::tiled::truth::{Tile, Truth, tiles_of, truths, truths_of_every};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrafill_contract::CpuStopwatch;
@@ -19,7 +21,7 @@ use terrafill_study::Failure;
 use terrafill_surface::{Surface, SurfaceFrame};
 
 /// Frames of a flight in which the eye moves; in those that follow it rests.
-pub(crate) const MOVING: usize = 20;
+pub(crate) const MOVING: usize = 16;
 /// Frames that lack nothing, after which a flight ends.
 pub(crate) const QUIET: usize = 3;
 /// After which one that still lacks tiles has failed.
@@ -29,8 +31,8 @@ const MOST_FRAMES: usize = 600;
 const PACE: Duration = Duration::from_nanos(16_666_667);
 /// Tiles that the device keeps where they come and go: a frame of either path chooses fewer.
 pub(crate) const SLOTS: usize = 40;
-/// Of so many pixels along each side one says what a frame wants that is not judged.
-const STEP_PX: u32 = 4;
+/// Of so many pixels along each side one says what a frame wants.
+pub(crate) const STEP_PX: u32 = 4;
 /// One draw over cells by whose corners tiles are chosen.
 pub(crate) const OPTIONS: Options = Options {
     n: 20,
@@ -120,44 +122,30 @@ pub(crate) struct Course {
     surface: Arc<dyn Surface>,
     /// All that a frame chooses and the coarsest level, sorted; a tile's number is its place in the list.
     pub(crate) tiles: Vec<Tile>,
-    /// Of each eye, how many pixels want which tile: of all where its pictures are judged, else of every [`STEP_PX`].
+    /// Of each eye, how many of every [`STEP_PX`] pixels of every so manyth row want which tile.
     wanted: Vec<BTreeMap<Tile, u64>>,
-    /// Of the eyes whose pictures are judged.
-    truths: BTreeMap<usize, Vec<Option<Truth>>>,
+    /// Of the eyes whose pictures were judged, remembered.
+    truths: RefCell<BTreeMap<usize, Rc<Vec<Option<Truth>>>>>,
 }
 
 impl Course {
-    /// - `judged`: whether an eye's pictures are
-    ///
     /// # Errors
     /// Of the surface, and of choosing.
-    pub(crate) fn new(
-        path: Path,
-        side_px: u32,
-        surface: Arc<dyn Surface>,
-        judged: fn(usize) -> bool,
-    ) -> Result<Self, String> {
+    pub(crate) fn new(path: Path, side_px: u32, surface: Arc<dyn Surface>) -> Result<Self, String> {
         let mut course = Self {
             eyes: (0..MOVING).map(|frame| path.eye(frame, side_px)).collect(),
             surface,
             tiles: Vec::new(),
             wanted: Vec::new(),
-            truths: BTreeMap::new(),
+            truths: RefCell::default(),
         };
         let mut tiles = BTreeSet::from(coarsest());
-        for (at, eye) in course.eyes.iter().enumerate() {
+        for eye in &course.eyes {
             let (frame, mesh) = course.mesh(eye)?;
             tiles.extend(chosen(eye, &mesh)?);
             let mut wanted = BTreeMap::new();
-            let mut add = |truth: &Truth| *wanted.entry(wanted_tile(truth)).or_default() += 1;
-            if judged(at) {
-                let truths = truths(eye, &frame);
-                truths.iter().flatten().for_each(&mut add);
-                course.truths.insert(at, truths);
-            } else {
-                truths_of_every(eye, &frame, STEP_PX)
-                    .iter()
-                    .for_each(&mut add);
+            for truth in truths_of_every(eye, &frame, STEP_PX) {
+                *wanted.entry(wanted_tile(&truth)).or_default() += 1;
             }
             course.wanted.push(wanted);
         }
@@ -177,13 +165,22 @@ impl Course {
         self.tiles.binary_search(&tile).ok()
     }
 
-    /// Of a frame that is judged.
-    pub(crate) fn truths(&self, frame: usize) -> Option<&[Option<Truth>]> {
-        let truths = self.truths.get(&frame.min(MOVING - 1));
-        truths.map(Vec::as_slice)
+    /// Of a frame, pixels in rows.
+    ///
+    /// # Errors
+    /// Of the surface.
+    pub(crate) fn truths(&self, frame: usize) -> Result<Rc<Vec<Option<Truth>>>, String> {
+        let at = frame.min(MOVING - 1);
+        if let Some(known) = self.truths.borrow().get(&at) {
+            return Ok(Rc::clone(known));
+        }
+        let (surface, _) = self.mesh(&self.eyes[at])?;
+        let truths = Rc::new(truths(&self.eyes[at], &surface));
+        self.truths.borrow_mut().insert(at, Rc::clone(&truths));
+        Ok(truths)
     }
 
-    /// Pixels of a frame that show the surface, and those of them whose tile is not held.
+    /// Of every [`STEP_PX`] pixels, those of a frame that show the surface, and of them those whose tile is not held.
     pub(crate) fn pixels(&self, frame: usize, held: &Slots<Tile>) -> [u64; 2] {
         let wanted = &self.wanted[frame.min(MOVING - 1)];
         let lacking = wanted.iter().filter(|(tile, _)| !held.holds(**tile));

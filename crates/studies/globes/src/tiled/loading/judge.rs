@@ -72,7 +72,7 @@ fn of_pixel(truth: &Truth, shown: Shown, held: &BTreeSet<Tile>) -> Judged {
             || beside.any(|tile| finest(tile, held) == Some(texel.tile));
         is_finest && off <= ALLOWED_TEXELS + texel.tile.texels() * truth.snapped
     };
-    judged.coarse = usize::from(texel.tile != wanted && is_part(wanted, texel.tile));
+    judged.coarse = usize::from(is_coarse(truth, &shown));
     if !is_middle {
         let is_beside = is_beside();
         judged.in_band = usize::from(is_beside);
@@ -81,7 +81,11 @@ fn of_pixel(truth: &Truth, shown: Shown, held: &BTreeSet<Tile>) -> Judged {
     judged
 }
 
-/// Whether a tile is a part of another.
-pub(crate) fn is_part(tile: Tile, of: Tile) -> bool {
-    std::iter::successors(Some(tile), Tile::parent).any(|tile| tile == of)
+/// Whether a pixel shows a coarser tile than it wants, which the wanted one is a part of.
+pub(crate) fn is_coarse(truth: &Truth, shown: &Shown) -> bool {
+    let Shown::Texel(texel) = shown else {
+        return false;
+    };
+    let mut coarser = std::iter::successors(Some(wanted_tile(truth)), Tile::parent).skip(1);
+    coarser.any(|tile| tile == texel.tile)
 }

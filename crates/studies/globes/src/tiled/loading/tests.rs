@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Flights on a device, and the judge without one.
 
-use super::flight::{FrameRecord, QUIET, addresses};
+use super::flight::{FrameRecord, QUIET, addresses, wanted_tile};
 use super::*;
 use crate::metrics::*;
 use crate::on_device::{self, figure, on_device};
@@ -74,12 +74,7 @@ fn colours_are_those_of_the_texels_that_are_there() {
         // Negative control: a pixel of another colour.
         let folder = tempfile::tempdir().expect("a folder");
         let files = TileFiles::write(folder.path(), 3, addresses).expect("written");
-        let course = Course::new(
-            Path::Descent,
-            8,
-            grid(&opened(), 1).expect("a grid"),
-            |_| false,
-        );
+        let course = Course::new(Path::Descent, 8, grid(&opened(), 1).expect("a grid"));
         let course = course.expect("a course");
         let tile = course.tiles[0];
         let of = |colour| ShownFrame {
@@ -132,8 +127,8 @@ fn a_stale_slot_and_the_coordinates_of_another_ancestor_are_found() {
                     let pixels = targets.addresses()?;
                     let pixels = pixels.iter().map(|value| shown(&course.tiles, *value));
                     let pixels: Vec<Shown> = pixels.collect();
-                    let truths = course.truths(frame).unwrap_or_default();
-                    wrong.push(judge(truths, &pixels, &tiles).wrong);
+                    let truths = course.truths(frame)?;
+                    wrong.push(judge(&truths, &pixels, &tiles).wrong);
                     Ok::<(), Failure>(())
                 };
                 look(stage)?;
@@ -170,7 +165,7 @@ fn a_stale_slot_and_the_coordinates_of_another_ancestor_are_found() {
 
 /// A tile of which pixels of the last frame show most.
 fn seen(course: &Course, held: &Slots<Tile>) -> (Tile, usize) {
-    let truths = course.truths(MOVING).unwrap_or_default();
+    let truths = course.truths(MOVING).expect("a picture");
     let mut counts: BTreeMap<Tile, usize> = BTreeMap::new();
     for truth in truths.iter().flatten() {
         *counts.entry(wanted_tile(truth)).or_default() += 1;
@@ -295,7 +290,7 @@ fn spikes_and_what_is_seen_meanwhile_are_found_of_pairs() {
         let mut run = MadeUpRun::default();
         for flight in flights(false, false) {
             let is_late = flight.loading == Loading::Background;
-            let case = run.case(case(&flight, 64, "addresses").id);
+            let case = run.case(case(&flight, 64, None).id);
             case.figure(GLOBE_LOAD_WRONG_PX, wrong);
             case.figure(GLOBE_LOAD_JUDGED_PX, 100.0);
             case.figure(GLOBE_LOAD_STEADY_BYTES, 0.0);
