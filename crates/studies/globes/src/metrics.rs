@@ -62,6 +62,8 @@ terrafill_results::conditions! {
     "background" = "tiles are read by a thread beside frames, which show what has come";
     "foreground" = "tiles are read by the frames that want them, which wait";
     "all-there" = "tiles are read before the first frame";
+    "any" = "all that are wanted";
+    "latency" = "a wait that is added to reading each tile, as a network might have";
     "given up" = "requests for tiles that no frame wanted any more";
     "frames" = "frames until nothing changes any more";
     "transfer" = "a tile that is sent to the device";
@@ -91,7 +93,8 @@ const fn pixels(name: &'static str, meaning: &'static str) -> Metric {
     Metric::neither(name, "px", Kind::Counter, meaning)
 }
 
-/// What a flight does that reads tiles meanwhile: how much depends on how fast frames and files are.
+/// What a flight does that reads tiles meanwhile. It flies by the wall clock, so how much depends on how fast frames and
+/// files are, as a time does.
 const fn loading(name: &'static str, unit: &'static str, meaning: &'static str) -> Metric {
     Metric::less(name, unit, Kind::Time, meaning).covering(Scope::PLAN.and(Scope::FRAME))
 }
@@ -266,24 +269,24 @@ terrafill_results::metrics! {
         "Bytes of the files of all tiles of a flight.",
     );
     GLOBE_LOAD_COARSE = loading(
-        "globe_load_coarse",
+        "globe_load_coarse_wall_frames",
         "frames",
         "Share of a frame's pixels that show a coarser level than they want, summed over a flight's frames. Every fourth pixel of every fourth row is asked.",
     );
     GLOBE_LOAD_REST_FRAMES = loading(
-        "globe_load_rest_frames",
+        "globe_load_rest_wall_frames",
         "frames",
         "Frames after the eye has come to rest until the last tile is sent.",
     );
     GLOBE_LOAD_CANCELLED = loading(
-        "globe_load_cancelled",
+        "globe_load_cancelled_wall_tiles",
         "tiles",
         "Requests for tiles that frames gave up, before they were read or after.",
     );
-    GLOBE_LOAD_SENT_MAX = loading("globe_load_sent_max", "tiles", "Tiles that a flight's frame sends, most of one.");
-    GLOBE_LOAD_BYTES = loading("globe_load_bytes", "bytes", "Bytes that a flight's frames send, tiles and all else.");
-    GLOBE_LOAD_BYTES_MAX = loading("globe_load_bytes_max", "bytes", "The same, most of a frame.");
-    GLOBE_LOAD_SPIKE = loading("globe_load_spike", "", "Wall clock of a flight's longest frame over that of its median frame.");
+    GLOBE_LOAD_SENT_MAX = loading("globe_load_sent_max_wall_tiles", "tiles", "Tiles that a flight's frame sends, most of one.");
+    GLOBE_LOAD_BYTES = loading("globe_load_wall_bytes", "bytes", "Bytes that a flight's frames send, tiles and all else.");
+    GLOBE_LOAD_BYTES_MAX = loading("globe_load_max_wall_bytes", "bytes", "The same, most of a frame.");
+    GLOBE_LOAD_SPIKE = loading("globe_load_spike_wall_ratio", "", "Wall clock of a flight's longest frame over that of its median frame.");
     GLOBE_LOAD_FRAME_WALL_MS = Metric::time_ms(
         "globe_load_frame_wall_ms",
         "Wall clock of a frame of a flight: making the grid, choosing, taking or reading, sending, and drawing until the device is done; median of its frames.",
