@@ -34,6 +34,8 @@ override REMOVED: u32 = 0u;
 override BY_ANGLES: u32 = 0u;
 // 1: bumps are bent normals along ECEF axes, which have no pole.
 override OBJECT_SPACE: u32 = 0u;
+// Shares of tangent and binormal are multiplied by it.
+override BUMP_SCALE: f32 = 1.0;
 // 1: the power of what may be negative; 2: the tangent (−y, x, 0) at the poles as well; 3: night by the negated light.
 override FAULT: u32 = 0u;
 
@@ -147,7 +149,7 @@ fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
         }
         let b = cross(n, t);
         let c = 2.0 * looked_up(bump_cube, bump_map, n).xyz - 1.0;
-        m = normalize(c.x * n + c.y * t + c.z * b);
+        m = normalize(c.x * n + BUMP_SCALE * (c.y * t + c.z * b));
     }
     let light = dot(m, layers.sun);
     var colour = base.rgb * clamp(light, 0.0, 1.0);

@@ -5,6 +5,7 @@ use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
     shared API, PART, SIZE_PX, VIEW;
+    BUMP_SCALE = "bump_scale", "how many times as steep the bumps are as those that preprocessing makes";
     BUMPS = "bumps", "how bumps are stored: as shares of normal, tangent and binormal, or as normals of object space";
     CELLS = "n", "cells a side, or vertices a turn";
     COUNTED_BY = "counted_by", "how the device counts the pixels of each node: by a histogram, or by queries";

@@ -226,6 +226,7 @@ impl LayerTargets {
             ("REMOVED", f64::from(shading.removed)),
             ("BY_ANGLES", f64::from(u8::from(shading.by_angles))),
             ("OBJECT_SPACE", f64::from(u8::from(shading.is_object_space))),
+            ("BUMP_SCALE", f64::from(shading.bump_scale)),
             ("FAULT", f64::from(shading.fault)),
             ("SERIES", 1.0),
             ("PROJECTION", of_shader(projection)),

@@ -80,6 +80,7 @@ impl Reads for Sampled<'_> {
     fn bent(&self, shading: Shading, n: DVec3) -> (DVec3, f64) {
         let Looked { value, doubt } = self.read(Layer::Bumps, n);
         let shares = 2.0 * rgb(value) - 1.0;
+        let scale = f64::from(shading.bump_scale);
         let bent = if shading.is_object_space {
             shares
         } else {
@@ -88,9 +89,10 @@ impl Reads for Sampled<'_> {
                 // Without its length made 1 it is as long as the parallel is wide.
                 t *= n.x.hypot(n.y);
             }
-            shares.x * n + shares.y * t + shares.z * n.cross(t)
+            shares.x * n + scale * (shares.y * t + shares.z * n.cross(t))
         };
-        (bent.normalize(), 2.0 * rgb(doubt).length() / bent.length())
+        let doubt = 2.0 * rgb(doubt).length() * scale.max(1.0);
+        (bent.normalize(), doubt / bent.length())
     }
 }
 
@@ -103,8 +105,12 @@ impl Reads for Sources {
         }
     }
 
-    fn bent(&self, _: Shading, n: DVec3) -> (DVec3, f64) {
-        (self.bent(n), 0.0)
+    fn bent(&self, shading: Shading, n: DVec3) -> (DVec3, f64) {
+        let bent = self.bent(n);
+        // Over its share of the normal it is the normal less the slopes.
+        let slopes = bent / bent.dot(n) - n;
+        let scaled = n + f64::from(shading.bump_scale) * slopes;
+        (scaled.normalize(), 0.0)
     }
 }
 

@@ -42,11 +42,16 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
                the same texels, filtered and shaded in f64, at the place that its ray meets. It may be off by what 8 \
                bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must be found \
                by that. The difference from the layers as published says what cubes and 8 bits cost.",
-        cases: Select::Fitting(|case| is_of(case, "layers") || is_of(case, "clouds")),
+        cases: Select::Fitting(|case| {
+            ["layers", "clouds", "bumps"]
+                .iter()
+                .any(|what| is_of(case, what))
+        }),
         named_by: Names::Columns(&[
             ("view", VIEW),
             ("pictures", PICTURES),
             ("bumps", BUMPS),
+            ("times as steep", BUMP_SCALE),
             ("hours", HOURS),
         ]),
         columns: &[
@@ -136,6 +141,7 @@ fn shown(case: &Case) -> String {
         "projections" => of(PROJECTION).to_owned(),
         "faults" => of(FAULT).to_owned(),
         "layers" => format!("{} pictures, {} bumps", of(PICTURES), of(BUMPS)),
+        "bumps" => format!("bumps × {}", of(BUMP_SCALE)),
         "clouds" => format!("clouds after {} hours", of(HOURS)),
         _ => format!("{} removed", of(REMOVED)),
     };

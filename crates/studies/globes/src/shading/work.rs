@@ -5,7 +5,8 @@ use super::way::{PART, Shading};
 use crate::STUDY;
 use crate::list::ShadedRow;
 use crate::metrics::{
-    self, BUMPS, CELLS, FAULT, HOURS, PICTURES, PROJECTION, SIZE_PX, VERTICES, VIEW, WHAT,
+    self, BUMP_SCALE, BUMPS, CELLS, FAULT, HOURS, PICTURES, PROJECTION, SIZE_PX, VERTICES, VIEW,
+    WHAT,
 };
 use crate::projection::Projection;
 use terrafill_results::CaseId;
@@ -19,6 +20,9 @@ pub(super) const REMOVED: u32 = 7;
 const VIEWS: [&str; 4] = ["day", "night-edge", "limb", "pole"];
 /// Hours after which the moving clouds are drawn, beside those of the view itself.
 const HOURS_LATER: [u32; 2] = [0, 48];
+
+/// Bumps of the paper's Figure 13, where clouds are away.
+const BUMP_SCALES: [u32; 3] = [0, 1, 4];
 
 /// The shader's faults as printed.
 const FAULTS: [(u32, &str); 3] = [
@@ -91,6 +95,15 @@ pub(super) fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
         shading: without(removed),
         ..base
     }));
+    all.extend(BUMP_SCALES.map(|bump_scale| Work {
+        view: "limb",
+        shading: Shading {
+            bump_scale,
+            ..without(1)
+        },
+        what: "bumps",
+        ..base
+    }));
     for view in ["day", "pole"] {
         all.extend(FAULTS.map(|(fault, _)| Work {
             view,
@@ -149,6 +162,7 @@ impl Work {
             (metrics::REMOVED, shading.removed.to_string()),
             (PICTURES, pictures.to_owned()),
             (BUMPS, bumps.to_owned()),
+            (BUMP_SCALE, shading.bump_scale.to_string()),
             (FAULT, fault.to_owned()),
             (PROJECTION, self.projection.name().to_owned()),
             (
@@ -158,8 +172,12 @@ impl Work {
             (HOURS, hours.to_string()),
             (SIZE_PX, self.size_px.to_string()),
         ];
+        let scale = match shading.bump_scale {
+            1 => String::new(),
+            scale => format!("/bump_scale={scale}"),
+        };
         let name = format!(
-            "{PART}/{}/{}/n={}/removed={}/{pictures}/{bumps}/{fault}/{}/hours={hours}/{}",
+            "{PART}/{}/{}/n={}/removed={}/{pictures}/{bumps}{scale}/{fault}/{}/hours={hours}/{}",
             self.what,
             self.view,
             self.n,

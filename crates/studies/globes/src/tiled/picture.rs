@@ -43,17 +43,18 @@ pub(crate) const PART: &str = "picture";
 pub(crate) const SCENE: &str = "blue-marble";
 /// Views of a quick run, and of others.
 const QUICK_VIEWS: [&str; 2] = ["globe", "globe-antimeridian"];
-const VIEWS: [&str; 5] = [
+const VIEWS: [&str; 6] = [
     "globe",
     "globe-antimeridian",
     "globe-pole",
     "nadir-1161km-32.5",
+    LEVELS_OF,
     "oblique-100km",
 ];
 /// Cells along each side of the screen: what the map shows is within a few pixels there.
 const CELLS: u32 = 40;
 /// Whose area is drawn in several levels, as in Figure 1, and by how many each is below the finest that a pixel asks for.
-const LEVELS_OF: &str = "nadir-1161km-32.5";
+const LEVELS_OF: &str = "italy-1161km";
 const LEVELS: [u32; 3] = [4, 2, 0];
 
 /// The picture of the shipped scene, and the files that it was read from.
