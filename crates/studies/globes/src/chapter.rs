@@ -5,7 +5,7 @@
 use crate::claims::{self, CLAIMS};
 use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::*;
-use crate::{counts, made, shading, tiled, zones};
+use crate::{controllers, counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
@@ -78,6 +78,7 @@ impl Chapter for GlobesChapter {
             made::SECTION,
             counts::SECTION,
             zones::SECTION,
+            controllers::SECTION,
         ];
         let all = Cases::of_study(run, crate::STUDY);
         for section in parts.iter().chain(&shading::SECTIONS) {

@@ -2,7 +2,7 @@
 //! What the two papers on globes claim, tested by the study's cases, its findings and its page of arithmetic.
 
 use crate::metrics::*;
-use crate::{counts, made, shading, tiled, zones};
+use crate::{controllers, counts, made, shading, tiled, zones};
 use terrafill_lab::{Cases, ClaimedTime, StudyClaims};
 use terrafill_results::{ChapterError, DerivedTable, Finding, Scope};
 
@@ -63,6 +63,7 @@ fn findings(cases: &Cases<'_>) -> Vec<Finding> {
         made::SECTION,
         counts::SECTION,
         zones::SECTION,
+        controllers::SECTION,
     ];
     let all = sections.iter().chain(&shading::SECTIONS);
     all.flat_map(|section| section.found(cases)).collect()

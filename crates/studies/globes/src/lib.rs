@@ -12,6 +12,7 @@ mod canvas;
 mod chapter;
 mod claims;
 mod clock;
+mod controllers;
 mod counts;
 mod error;
 mod expected;

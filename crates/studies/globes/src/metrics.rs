@@ -8,6 +8,7 @@ terrafill_results::conditions! {
     BUMP_SCALE = "bump_scale", "how many times as steep the bumps are as those that preprocessing makes";
     BUMPS = "bumps", "how bumps are stored: as shares of normal, tangent and binormal, or as normals of object space";
     CELLS = "n", "cells a side, or vertices a turn";
+    CONTROLLER = "controller", "what a rule holds: the radius of the spiral's fan, its outer radius, or both";
     COUNTED_BY = "counted_by", "how the device counts the pixels of each node: by a histogram, or by queries";
     DELAY = "delay", "frames until counts are back on the CPU";
     FAULT = "fault", "what is done wrong on purpose";
@@ -26,9 +27,11 @@ terrafill_results::conditions! {
     PICTURES = "pictures", "which pictures the globe is shaded with";
     PROJECTION = "projection", "shape that a level of detail is drawn with";
     REMOVED = "removed", "which feature of shading is left out";
+    RULE = "rule", "what decides on a radius of the spiral";
     SEAM = "seam", "how the jump of longitude at ±180° is kept out of the choice of a texel";
     SPIKE_M = "spike_m", "height of the spikes, metres";
     SPLIT_BY = "split_by", "by what triangles are split at the seam";
+    STEP = "step", "what a rule changes a radius by in a frame: a share of the radius, or a gain over that from which its loop does not settle";
     SURFACE = "surface", "what draws the globe: a family and its knob";
     TILES = "tiles", "how tiles reach shaders: a draw each, an array of textures, or bindless";
     TRANSFERS = "transfers", "tiles that a frame may send";
@@ -67,6 +70,13 @@ terrafill_results::conditions! {
     "latency" = "a wait that is added to reading each tile, as a network might have";
     "given up" = "requests for tiles that no frame wanted any more";
     "frames" = "frames until nothing changes any more";
+    "rest" = "an eye that stands still";
+    "rising" = "an eye whose height doubles each second of 60 frames";
+    "closed form" = "from the view alone, without counts";
+    "constant steps" = "the fan grows by a constant where it has too few pixels, and shrinks by it where it has too many";
+    "logarithmic" = "the radius changes by a power of the wanted pixels over those counted";
+    "trying" = "the outer radius shrinks by a share until pixels are bare, and then grows by it";
+    "held" = "which radius the rule decides on; the other one is in closed form";
     "transfer" = "a tile that is sent to the device";
     "triangles" = "triangles of the surface";
     "feature" = "a part of shading, such as clouds or city lights";
@@ -358,6 +368,60 @@ terrafill_results::metrics! {
         "globe_uncounted_cpu_ms",
         "Process CPU time of the same frame without counts.",
     ).covering(Scope::FRAME);
+    GLOBE_CONTROLLED_CPU_MS = Metric::time_ms(
+        "globe_controlled_cpu_ms",
+        "Process CPU time of a frame whose radii its rule decides on: the decision, constants where the eye has moved, drawing, and the counts read at once.",
+    ).covering(Scope::PLAN.and(Scope::FRAME).and(Scope::READ_BACK));
+    GLOBE_CONTROLLER_WRONG_FRAMES = Metric::error(
+        "globe_controller_wrong_frames",
+        "",
+        "Frames whose counted pixels, of the fan or of all, are others than rays see in f64 where they are no nearer to a rim than a device rounds corners; at most 0.",
+    );
+    GLOBE_CONTROLLER_FRAMES = Metric::quantity(
+        "globe_controller_frames",
+        "Frames that were compared with rays; equal ones of an eye at rest count once in each half.",
+    );
+    GLOBE_CONTROLLER_BAND_PX = pixels(
+        "globe_controller_band_px",
+        "Pixels so near to a rim that rounding of corners decides, largest of the frames.",
+    );
+    GLOBE_CONTROLLER_PERIOD = Metric::counter(
+        "globe_controller_period",
+        "Frames after which what is drawn repeats in a view that stands still; 1: it is at rest.",
+    );
+    GLOBE_CONTROLLER_REST_FRAMES = Metric::counter(
+        "globe_controller_rest_frames",
+        "Frames after which nothing changes in a view that stands still.",
+    );
+    GLOBE_CONTROLLER_SWING = Metric::error(
+        "globe_controller_swing",
+        "%",
+        "By how much the largest radius is over the smallest one in a view that stands still, second half of the frames.",
+    );
+    GLOBE_CONTROLLER_OFF = Metric::error(
+        "globe_controller_off",
+        "%",
+        "By how much a radius is off the one in closed form, largest in the second half of the frames.",
+    );
+    GLOBE_FAN_OFF = Metric::error(
+        "globe_fan_off",
+        "%",
+        "By how many of the wanted pixels the fan's are off, largest in the second half of the frames.",
+    );
+    GLOBE_FAN_GROWTH = Metric::less(
+        "globe_fan_growth",
+        "",
+        Kind::Error,
+        "Logarithm of the fan's pixels over the wanted ones, largest in the second half of the frames, over that of the first frame: above 1 the fan is farther off than it began.",
+    );
+    GLOBE_BARE_PX = Metric::error_px(
+        "globe_bare_px",
+        "Pixels that show no spiral though they show the body, largest in the second half of the frames.",
+    );
+    GLOBE_BARE_DIAGONAL_PX = Metric::error_px(
+        "globe_bare_diagonal_px",
+        "How far from the corner's distance towards the middle a bare pixel lies, by rays, largest in the second half of the frames.",
+    );
     GLOBE_SHADE_PX = pixels("globe_shade_px", "Pixels that show a shaded surface.");
     GLOBE_SHADE_TEXELS_MAX = Metric::error(
         "globe_shade_texels_max",

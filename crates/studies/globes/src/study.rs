@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is measured together: surfaces through their knobs in each view, and further parts.
 
+use crate::controllers::Controllers;
 use crate::counts::Counts;
 use crate::list::{List, ViewRow};
 use crate::made::{MadeGlobes, height_fields};
@@ -115,6 +116,7 @@ impl Study for GlobesStudy {
         groups.push(Box::new(MadeGlobes::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(request.depth, sizes.1)));
+        groups.push(Box::new(Controllers::planned(request.depth, sizes.1)));
         Ok(Planned {
             groups,
             skipped,

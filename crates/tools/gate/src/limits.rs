@@ -116,6 +116,14 @@ mod tests {
             })
         };
         assert_eq!(["4", "1"].map(swings), [true, false]);
+        let sends = |eye: &str| {
+            let case = format!("globes/controllers/{eye}/queries/constant steps/step=0.02/delay=1");
+            let mut limits = limits.iter();
+            limits.any(|limit| {
+                limit.covers(&case, "globe_upload_bytes") && limit.objection(4.0).is_some()
+            })
+        };
+        assert_eq!(["rest", "rising"].map(sends), [true, false]);
     }
 
     #[test]

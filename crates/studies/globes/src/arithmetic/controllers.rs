@@ -62,7 +62,9 @@ pub(super) fn page() -> String {
 
 Gebbie & Bailey hold a fan of triangles at a number of pixels, let the mesh shrink until pixels are missing at the edge of
 the screen, and split a picture's quadtree by counted pixels. A count is some frames old when it is used. In closed form a
-view gives both radii without a count: nothing swings and no corner goes bare.
+view gives both radii without a count: nothing swings and no corner goes bare. Here a delay of 0 uses a count in the next
+frame. A run of `globes` draws and counts such frames on a device, and calls that a delay of 1: “Radii of the spiral by
+counted pixels” of its chapter says where they differ from this page.
 
 Radius of the fan by the delay of its count:
 {radius}

@@ -11,7 +11,7 @@ use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, ViewConstants};
-use terrafill_gpu::read_buffer;
+use terrafill_gpu::{Gpu, read_buffer};
 use terrafill_scene::ImageSize;
 use terrafill_study::Figures;
 use terrafill_vulkan::{
@@ -119,25 +119,14 @@ impl<'a> Counters<'a> {
     }
 }
 
-struct ByHistogram {
-    canvas: Canvas,
-    draw: wgpu::RenderPipeline,
-    count: wgpu::ComputePipeline,
-    view: wgpu::Buffer,
-    bound_view: wgpu::BindGroup,
-    counted: wgpu::BindGroupLayout,
-    pictures: wgpu::Texture,
+/// Counts the pixels of a canvas by the numbers that they hold.
+pub(crate) struct Histogram {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
 }
 
-impl ByHistogram {
-    fn new(devices: &Devices) -> Result<Self, DeviceError> {
-        let gpu = terrafill_gpu::shared_gpu(devices)?;
-        let view_layout = gpu.buffer_layout(
-            "nodes",
-            wgpu::ShaderStages::VERTEX,
-            &[wgpu::BufferBindingType::Uniform],
-        );
-        let view = uniform::<ViewConstants>(&gpu, "view constants");
+impl Histogram {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, DeviceError> {
         let types = [
             wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Uint,
@@ -151,7 +140,56 @@ impl ByHistogram {
             },
         ];
         let types = types.map(|ty| (wgpu::ShaderStages::COMPUTE, ty));
-        let counted = gpu.mixed_layout("counts", types);
+        let layout = gpu.mixed_layout("counts", types);
+        let module = gpu.shader("globes/nodes.wgsl")?;
+        let groups = [None, Some(&layout)];
+        let pipeline = gpu.compute_pipeline("counts", &module, "count_main", &groups, &[]);
+        Ok(Self { pipeline, layout })
+    }
+
+    /// Submits what was recorded, and reads how many pixels have each number from 1 to `numbers`.
+    pub(crate) fn count(
+        &self,
+        canvas: &Canvas,
+        mut encoder: wgpu::CommandEncoder,
+        numbers: usize,
+    ) -> Result<Vec<u64>, DeviceError> {
+        let gpu = &canvas.gpu;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let counts = gpu.unwritten("counts", 4 * (numbers as u64 + 1), usage);
+        let view = canvas.view();
+        let [width, height] = [view.texture().width(), view.texture().height()];
+        let view = wgpu::BindingResource::TextureView(&view);
+        let bound = gpu.bind("counts", &self.layout, [view, counts.as_entire_binding()]);
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(1, &bound, &[]);
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), 1);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&read_buffer(gpu, &counts)?);
+        Ok(counts.into_iter().skip(1).map(u64::from).collect())
+    }
+}
+
+struct ByHistogram {
+    canvas: Canvas,
+    draw: wgpu::RenderPipeline,
+    view: wgpu::Buffer,
+    bound_view: wgpu::BindGroup,
+    histogram: Histogram,
+    pictures: wgpu::Texture,
+}
+
+impl ByHistogram {
+    fn new(devices: &Devices) -> Result<Self, DeviceError> {
+        let gpu = terrafill_gpu::shared_gpu(devices)?;
+        let view_layout = gpu.buffer_layout(
+            "nodes",
+            wgpu::ShaderStages::VERTEX,
+            &[wgpu::BufferBindingType::Uniform],
+        );
+        let view = uniform::<ViewConstants>(&gpu, "view constants");
         let module = gpu.shader("globes/nodes.wgsl")?;
         let canvas = Canvas::new(&gpu, SIZE, wgpu::TextureFormat::R32Uint);
         let attributes = [
@@ -166,8 +204,6 @@ impl ByHistogram {
         };
         let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
         let draw = canvas.pipeline("nodes", &layout, &stages);
-        let groups = [None, Some(&counted)];
-        let count = gpu.compute_pipeline("counts", &module, "count_main", &groups, &[]);
         let pictures = texture(
             &gpu,
             "picture of a node",
@@ -176,10 +212,9 @@ impl ByHistogram {
         );
         Ok(Self {
             draw,
-            count,
+            histogram: Histogram::new(&gpu)?,
             bound_view: gpu.bind_buffers("view", &view_layout, &[&view]),
             view,
-            counted,
             pictures,
             canvas,
         })
@@ -209,24 +244,9 @@ impl ByHistogram {
 
 impl Counter for ByHistogram {
     fn count(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u64>, DeviceError> {
-        let gpu = &self.canvas.gpu;
-        let mut encoder = self.record(eye, drawn)?;
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let counts = gpu.unwritten("counts", 4 * (drawn.nodes.len() as u64 + 1), usage);
-        let numbers = self.canvas.view();
-        let numbers = wgpu::BindingResource::TextureView(&numbers);
-        let bound = [numbers, counts.as_entire_binding()];
-        let bound = gpu.bind("counts", &self.counted, bound);
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&self.count);
-        pass.set_bind_group(1, &bound, &[]);
-        let groups = SIDE_PX.div_ceil(8);
-        pass.dispatch_workgroups(groups, groups, 1);
-        drop(pass);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = read_buffer(gpu, &counts)?;
-        let counts: Vec<u32> = bytemuck::pod_collect_to_vec(&bytes);
-        Ok(counts.into_iter().skip(1).map(u64::from).collect())
+        let encoder = self.record(eye, drawn)?;
+        let numbers = drawn.nodes.len();
+        self.histogram.count(&self.canvas, encoder, numbers)
     }
 
     fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError> {

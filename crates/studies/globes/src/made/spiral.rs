@@ -80,7 +80,7 @@ pub(crate) struct Spiral {
 }
 
 /// Vertices for which the radius doubles: cells are square.
-fn per_octave(per_turn: u32) -> f64 {
+pub(crate) fn per_octave(per_turn: u32) -> f64 {
     f64::from(per_turn).powi(2) * LN_2 / TAU
 }
 
