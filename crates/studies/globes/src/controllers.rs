@@ -17,20 +17,21 @@ use crate::sight::fingerprint;
 use device::FanDevice;
 use glam::DVec3;
 use rayon::prelude::*;
-use rule::{Controller, Counted, Drawn, PER_TURN, Rule, WANTED_PX, stable_gain};
-use std::collections::BTreeMap;
+use rule::{Controller, Counted, Drawn, Rule, WANTED_PX, radii, stable_gain};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, judged, verified,
 };
-use view::{SIDE_PX, View, stored};
+use view::{SIDE_PX, Seen, View, stored};
 
 /// Name of this part in cases.
 pub(crate) const PART: &str = "controllers";
 
 /// Frames of an eye at rest, in which a loop comes to rest or does not; and of one that rises, to four times its height.
-const REST_FRAMES: usize = 96;
+const REST_FRAMES: usize = 72;
 const RISING_FRAMES: usize = 120;
 /// Counts of a frame are used so many frames later: in the next one, as in the paper, or when mapping has given them.
 const DELAYS: [usize; 3] = [1, 2, 3];
@@ -95,6 +96,15 @@ impl Work {
         }
     }
 
+    /// The vertex that it decides on: of closed form, the fan's.
+    fn held(self, drawn: Drawn) -> u32 {
+        if self.rule == Rule::Trying {
+            drawn.last
+        } else {
+            drawn.first
+        }
+    }
+
     fn controller(self, first: &View) -> Controller {
         let step = match self.rule {
             Rule::Logarithmic => self.step * stable_gain(self.delay),
@@ -147,9 +157,13 @@ pub(crate) struct Controllers {
 
 impl Controllers {
     pub(crate) fn planned(depth: Depth, samples: u32) -> CaseGroup<Self> {
-        let is_quick = depth == Depth::Quick;
+        let [ways, delays] = if depth == Depth::Quick {
+            [1, 1]
+        } else {
+            [PixelCount::ALL.len(), DELAYS.len()]
+        };
         let mut work = Vec::new();
-        for way in PixelCount::ALL {
+        for &way in &PixelCount::ALL[..ways] {
             for rises in [false, true] {
                 let one = |rule, step, delay| Work {
                     way,
@@ -159,11 +173,14 @@ impl Controllers {
                     delay,
                 };
                 work.push(one(Rule::Closed, 0.0, 1));
-                let delays = &DELAYS[..if is_quick { 1 } else { DELAYS.len() }];
                 // A loop that explodes does so at rest.
                 let steps = STEPS.iter().filter(|(_, step)| !rises || *step < 1.0);
                 for (rule, step) in steps {
-                    work.extend(delays.iter().map(|delay| one(*rule, *step, *delay)));
+                    work.extend(
+                        DELAYS[..delays]
+                            .iter()
+                            .map(|delay| one(*rule, *step, *delay)),
+                    );
                 }
             }
         }
@@ -245,23 +262,25 @@ impl<'a> ControllerPart<'a> {
 
     /// Frames are judged together, equal ones of an eye at rest once.
     fn judged(&self, work: Work, course: &Course) -> Result<(Figures, String), Failure> {
-        let frames = course.drawn.iter().copied().zip(&course.counts).enumerate();
-        let mut shown: Vec<(usize, Drawn, Counted)> = frames
-            .map(|(frame, (drawn, counted))| (if work.rises { frame } else { 0 }, drawn, *counted))
-            .collect();
-        let half = shown.len() / 2;
-        let late = shown.split_off(half);
         let (views, stored) = (&self.views.0, &self.stored);
-        let seen_of = |mut shown: Vec<(usize, Drawn, Counted)>| -> Vec<_> {
-            shown.sort_by_key(|(frame, drawn, _)| (*frame, *drawn));
-            shown.dedup();
+        // Frames of an eye at rest that draw the same show the same.
+        let seen_in = |frames: Range<usize>| -> Vec<(bool, Seen)> {
+            let of = |frame: usize| {
+                (
+                    frame * usize::from(work.rises),
+                    course.drawn[frame],
+                    course.counts[frame],
+                )
+            };
+            let frames: BTreeSet<(usize, Drawn, Counted)> = frames.map(of).collect();
             let seen = |(frame, drawn, counted): (usize, Drawn, Counted)| {
                 let seen = views[frame].seen(stored, drawn);
                 (seen.allows(counted), seen)
             };
-            shown.into_par_iter().map(seen).collect()
+            frames.into_par_iter().map(seen).collect()
         };
-        let [early, late] = [seen_of(shown), seen_of(late)];
+        let frames = course.drawn.len();
+        let [early, late] = [0..frames / 2, frames / 2..frames].map(seen_in);
         let all = || early.iter().chain(&late);
         let wrong = all().filter(|(is_right, _)| !is_right).count();
         let band = all().map(|(_, seen)| seen.band_px()).max().unwrap_or(0);
@@ -288,58 +307,52 @@ impl<'a> ControllerPart<'a> {
         Ok((figures, reason))
     }
 
+    /// Radius that a frame draws over that in closed form.
+    fn over_closed(&self, work: Work, course: &Course, frame: usize) -> f64 {
+        let closed = self.views.of(work, frame).limits.drawn();
+        radii(work.held(course.drawn[frame]), work.held(closed))
+    }
+
     fn figures(&self, work: Work, course: &Course) -> Figures {
-        let half = course.drawn.len() / 2;
-        let is_outer = work.rule == Rule::Trying;
-        let held = |drawn: &Drawn| if is_outer { drawn.last } else { drawn.first };
-        let held: Vec<u32> = course.drawn.iter().map(held).collect();
-        let late = half..course.drawn.len();
-        let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, f64::max);
-        let off = late.clone().map(|frame| {
-            let Drawn { first, last } = self.views.of(work, frame).limits.drawn();
-            let closed = if is_outer { last } else { first };
-            100.0 * (radii(held[frame], closed) - 1.0).abs()
-        });
-        let bytes = course.bytes[half..].iter().max().copied();
+        let late = course.drawn.len() / 2..course.drawn.len();
+        let largest = |of: &dyn Fn(usize) -> f64| late.clone().map(of).fold(0.0, f64::max);
+        let percent = |over: f64| 100.0 * (over - 1.0).abs();
+        let fan = |frame: usize| (course.counts[frame].fan as f64).max(1.0) / WANTED_PX as f64;
+        let off = |frame| percent(self.over_closed(work, course, frame));
         let mut figures = vec![
-            ("globe_controller_off", largest(&mut { off })),
-            ("globe_upload_bytes", bytes.unwrap_or(0) as f64),
+            ("globe_controller_off", largest(&off)),
+            (
+                "globe_upload_bytes",
+                largest(&|frame| course.bytes[frame] as f64),
+            ),
         ];
-        if !work.rises {
-            let [low, high] =
-                [u32::min, u32::max].map(|of| held[half..].iter().copied().reduce(of));
-            let swing = low
-                .zip(high)
-                .map(|(low, high)| 100.0 * (radii(high, low) - 1.0));
-            figures.extend(swing.map(|swing| ("globe_controller_swing", swing)));
-            let period = period(&held[half..]);
-            figures.extend(period.map(|frames| ("globe_controller_period", frames as f64)));
-            if period == Some(1) {
-                let last = held.windows(2).rposition(|pair| pair[0] != pair[1]);
-                let rest = last.map_or(0, |frame| frame + 1);
-                figures.push(("globe_controller_rest_frames", rest as f64));
-            }
+        if work.rule != Rule::Trying {
+            figures.push(("globe_fan_off", largest(&|frame| percent(fan(frame)))));
         }
-        if is_outer || work.rule == Rule::Closed {
-            let bare = late.clone().map(|frame| ALL_PX - course.counts[frame].all);
-            figures.push(("globe_bare_px", largest(&mut bare.map(|px| px as f64))));
+        if work.rule.of() == "fan" {
+            let growth = |frame| fan(frame).ln().abs() / fan(0).ln().abs();
+            figures.push(("globe_fan_growth", largest(&growth)));
+        } else {
+            let bare = |frame: usize| (ALL_PX - course.counts[frame].all) as f64;
+            figures.push(("globe_bare_px", largest(&bare)));
         }
-        if !is_outer {
-            let over = |frame: usize| (course.counts[frame].fan as f64).max(1.0) / WANTED_PX as f64;
-            let off = late.clone().map(|frame| 100.0 * (over(frame) - 1.0).abs());
-            figures.push(("globe_fan_off", largest(&mut { off })));
-            let growth = late.map(|frame| over(frame).ln().abs() / over(0).ln().abs());
-            if work.rule != Rule::Closed {
-                figures.push(("globe_fan_growth", largest(&mut { growth })));
-            }
+        if work.rises {
+            return figures;
+        }
+        let held: Vec<u32> = course.drawn.iter().map(|drawn| work.held(*drawn)).collect();
+        let [low, high] =
+            [u32::min, u32::max].map(|of| held[late.clone()].iter().copied().reduce(of));
+        let swing = low.zip(high).map(|(low, high)| percent(radii(high, low)));
+        figures.extend(swing.map(|swing| ("globe_controller_swing", swing)));
+        let period = period(&held[late.clone()]);
+        figures.extend(period.map(|frames| ("globe_controller_period", frames as f64)));
+        if period == Some(1) {
+            let last = held.windows(2).rposition(|pair| pair[0] != pair[1]);
+            let rest = last.map_or(0, |frame| frame + 1);
+            figures.push(("globe_controller_rest_frames", rest as f64));
         }
         figures
     }
-}
-
-/// The radius of a stored vertex over that of another one.
-fn radii(one: u32, other: u32) -> f64 {
-    ((f64::from(one) - f64::from(other)) / crate::made::spiral::per_octave(PER_TURN)).exp2()
 }
 
 /// Frames after which a series repeats; `None` where it does not within half of it.
@@ -372,14 +385,8 @@ impl Shows for ControllerPart<'_> {
         let work = self.group.work[case];
         let (mut figures, reason) = self.judged(work, &course)?;
         figures.extend(self.figures(work, &course));
-        let frames = course.drawn.iter().enumerate().map(|(frame, drawn)| {
-            let closed = self.views.of(work, frame).limits.drawn();
-            let radius = match work.rule {
-                Rule::Trying => radii(drawn.last, closed.last),
-                _ => radii(drawn.first, closed.first),
-            };
-            format!("{radius:.4}")
-        });
+        let frames = 0..course.drawn.len();
+        let frames = frames.map(|frame| format!("{:.4}", self.over_closed(work, &course, frame)));
         let frames: Vec<String> = frames.collect();
         let note = ("radius-by-frame", frames.join(" "));
         Ok(judged(reason, figures, vec![note]))

@@ -17,7 +17,7 @@ const FAN_START: f64 = 0.71;
 const OUTER_START: f64 = 1.2;
 
 /// Pixels of the fan, and of all that is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Counted {
     pub(super) fan: u64,
     pub(super) all: u64,
@@ -146,6 +146,11 @@ impl Controller {
             Rule::Trying => 1 - 2 * i32::from(counted.all >= of),
         };
     }
+}
+
+/// The radius of a stored vertex over that of another one.
+pub(super) fn radii(one: u32, other: u32) -> f64 {
+    ((f64::from(one) - f64::from(other)) / per_octave(PER_TURN)).exp2()
 }
 
 /// The stored vertex nearest to a radius.

@@ -2,7 +2,7 @@
 //! The section on radii of the spiral held by counted pixels.
 
 use super::PART;
-use super::rule::Rule;
+use super::rule::{PER_TURN, Rule, radii};
 use super::view::SIDE_PX;
 use crate::counts::course::drawing;
 use crate::metrics::{self, *};
@@ -153,8 +153,8 @@ fn gains(cases: &Cases<'_>) -> Finding {
         "Logarithmic steps come to rest with a quarter of the limit's gain, and explode with 1.5 of it",
         rests.zip(grows).map(|(rests, grows)| rests && grows),
         format!(
-            "A quarter: at rest after {} frames, with {} % too many or too few pixels, which one stored vertex more or less \
-             would not mend. 1.5: the fan is {} times as far off as it began.",
+            "A quarter: at rest after {} frames, {} % off the wanted pixels, since less than half a stored vertex moves nothing. \
+             1.5: the fan is {} times as far off as it began.",
             range(&calm, GLOBE_CONTROLLER_REST_FRAMES),
             range(&calm, GLOBE_FAN_OFF),
             range(&wild, GLOBE_FAN_GROWTH)
@@ -201,9 +201,10 @@ fn disc(cases: &Cases<'_>) -> Finding {
             (px - simulated(case)).abs() <= 1.0
         }),
         format!(
-            "Pixels along the diagonal, {}. A spiral's rim is no circle: it steps by 14 % where its last turn ends, and that \
-             step moves round with the range's end, so which corner goes bare first hangs on where the range ends.",
-            words.join("; ")
+            "Pixels along the diagonal, {}. A spiral's rim is no circle: it steps by {} % where its last turn ends, and that step \
+             moves round with the range's end, so which corner goes bare first hangs on where the range ends.",
+            words.join("; "),
+            significant(100.0 * (radii(PER_TURN, 0) - 1.0))
         ),
     )
 }
