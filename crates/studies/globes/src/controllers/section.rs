@@ -8,8 +8,8 @@ use crate::counts::course::drawing;
 use crate::metrics::{self, *};
 use std::collections::BTreeSet;
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
-use terrafill_plot::number::significant;
-use terrafill_results::{Block, Case, ChapterError, Finding, Metric};
+use terrafill_plot::number::{digits, significant};
+use terrafill_results::{Block, Case, ChapterError, Finding, Kind, Metric};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Radii of the spiral by counted pixels",
@@ -76,9 +76,13 @@ fn of<'a>(cases: &Cases<'a>, rule: Rule, path: &str, step: Option<&str>) -> Case
 fn range(cases: &Cases<'_>, metric: &Metric) -> String {
     let values: Vec<f64> = cases.iter().filter_map(|case| case.value(metric)).collect();
     let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+    let text = |value: f64| match metric.kind {
+        Kind::Counter if value.fract() == 0.0 => digits(value),
+        _ => significant(value),
+    };
     match low.zip(high) {
-        Some((low, high)) if low == high => significant(low),
-        Some((low, high)) => format!("{} to {}", significant(low), significant(high)),
+        Some((low, high)) if low == high => text(low),
+        Some((low, high)) => format!("{} to {}", text(low), text(high)),
         None => "not measured".to_owned(),
     }
 }
@@ -172,10 +176,7 @@ fn flicker(cases: &Cases<'_>) -> Finding {
     finding(
         "Gebbie & Bailey: trying the outer radius causes a flicker in the corners",
         all(&rest, GLOBE_BARE_PX, |_, px| px > 0.0),
-        format!(
-            "Bare in turn, by delays of 1 to 3 frames: {}.",
-            words.join("; ")
-        ),
+        format!("Bare in turn, over all delays: {}.", words.join("; ")),
     )
 }
 
@@ -190,6 +191,7 @@ fn disc(cases: &Cases<'_>) -> Finding {
             let [found, simulated] = [found, simulated(case)].map(significant);
             Some(format!("{found} for {simulated} at a delay of {delay}"))
         });
+        // Once for both ways of counting, where they agree.
         let pairs: BTreeSet<String> = pairs.collect();
         let pairs = Vec::from_iter(pairs);
         format!("steps of {step}: {}", pairs.join(", "))
@@ -230,7 +232,7 @@ fn behind(cases: &Cases<'_>) -> Finding {
 
 fn courses(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     let shown = cases.fitting(|case| {
-        case.condition(COUNTED_BY) == "histogram"
+        case.condition(COUNTED_BY) == "queries"
             && case.condition(DELAY) == "1"
             && (case.condition(PATH) == "rest" || case.condition(CONTROLLER) == "outer radius")
     });
