@@ -21,7 +21,7 @@ pub(crate) const SECTION: Section<'static> = Section {
            f64. A frame is timed with its decision and with its counts read at once.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
-        ("eye", PATH),
+        ("path", PATH),
         ("counted by", COUNTED_BY),
         ("held", CONTROLLER),
         ("rule", RULE),
