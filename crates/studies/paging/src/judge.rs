@@ -12,6 +12,7 @@ use crate::texture::{PAGE, Page, STORED, Texture, address, clamped, level_of, wr
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::{HeightRange, SurfaceFrame};
@@ -81,13 +82,13 @@ pub(crate) struct Reference<'a> {
     by_corners: HashMap<Corners, usize>,
 }
 
-/// A page that a place shows, and where on it.
+/// A page that places show, and where on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
     wanted: u32,
     footprint: u32,
-    /// With the place in texels from its corner; `None` where no page of the place is in a slot.
-    shown: Option<(Page, [f64; 2])>,
+    /// With the least and the greatest place in texels from its corner; `None` where no page of theirs is in a slot.
+    shown: Option<(Page, [[f64; 2]; 2])>,
 }
 
 fn key(corners: [DVec3; 3]) -> Corners {
@@ -146,15 +147,20 @@ impl<'a> Reference<'a> {
         self.by_corners.get(&key(corners)).copied()
     }
 
-    /// U and V of a triangle's plane at a place of the picture, beside the triangle as well.
-    fn uv(&self, facet: usize, px: [f64; 2]) -> [f64; 2] {
+    /// Shares of a triangle's corners at a place of the picture, beside the triangle as well; up to a factor that is
+    /// infinite where its plane ends.
+    fn shares(&self, facet: usize, px: [f64; 2]) -> DVec3 {
         let direction = self.eye.camera.direction_ecef(self.eye.size, px);
-        let (normals, uvs) = &self.facets[facet];
-        let shares =
-            DMat3::from_cols_array_2d(&normals.map(|n| n.to_array())).transpose() * direction;
+        let normals = self.facets[facet].0.map(|normal| normal.to_array());
+        DMat3::from_cols_array_2d(&normals).transpose() * direction
+    }
+
+    /// U and V there.
+    fn uv(&self, facet: usize, px: [f64; 2]) -> [f64; 2] {
+        let shares = self.shares(facet, px);
         let sum = shares.element_sum();
         [0, 1].map(|axis| {
-            let corners = DVec3::from(uvs.map(|uv| uv[axis]));
+            let corners = DVec3::from(self.facets[facet].1.map(|uv| uv[axis]));
             shares.dot(corners) / sum
         })
     }
@@ -190,79 +196,126 @@ impl<'a> Reference<'a> {
         level
     }
 
-    /// What a place of the texture shows to a pixel whose footprint asks for a level.
-    fn lookup(&self, place: [f64; 2], footprint: u32) -> Lookup {
+    /// What places of the texture show to a pixel whose footprint asks for a level; `None` where several pages are there.
+    ///
+    /// - `places`: the least and the greatest
+    fn lookup(&self, places: [[f64; 2]; 2], footprint: u32) -> Option<Lookup> {
         let last = if self.by_derivative {
             footprint
         } else {
             self.texture.finest
         };
-        let uv = place.map(|at| at.clamp(0.0, 1.0));
+        let uvs = places.map(|place| place.map(|at| at.clamp(0.0, 1.0)));
         let mut found = Lookup {
             wanted: 0,
             footprint,
             shown: None,
         };
         for level in 0..=last {
-            let page = Page::at(level, uv);
+            let [page, other] = uvs.map(|uv| Page::at(level, uv));
+            if page != other {
+                return None;
+            }
             let entry = self.table[page.number()];
             found.wanted = level;
             if entry & SLOT != 0 {
                 let side = f64::from(1_u32 << level);
                 let corner = [page.x, page.y].map(f64::from);
-                let local = [0, 1].map(|axis| (uv[axis] * side - corner[axis]) * f64::from(PAGE));
-                found.shown = Some((page, local));
+                let local = |axis, uv: [f64; 2]| (uv[axis] * side - corner[axis]) * f64::from(PAGE);
+                let locals = uvs.map(|uv| [0, 1].map(|axis| local(axis, uv)));
+                found.shown = Some((page, locals));
             }
             if entry & LEAF != 0 && !self.by_derivative {
                 break;
             }
         }
-        found
+        Some(found)
     }
 
-    /// All that a pixel may show of a triangle at a place of the picture.
-    fn lookups(&self, facet: usize, px: [f64; 2]) -> Vec<Lookup> {
-        let uv = self.uv(facet, px);
-        let level = self.footprint_level(facet, px);
-        let near = [0.0, -BAND_LEVELS, BAND_LEVELS].map(|off| self.rounded(level + off));
-        let mut levels = Vec::from(near);
+    /// All that a pixel may show of a triangle at places of the picture: one, or the corners of a square. `None` where
+    /// one lookup does not say it for the whole square.
+    fn lookups(&self, facet: usize, places: &[[f64; 2]]) -> Option<Vec<Lookup>> {
+        let mut levels = Vec::new();
+        let mut range = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for px in places {
+            let uv = self.uv(facet, *px);
+            let [low, high] = range;
+            range = [
+                [low[0].min(uv[0]), low[1].min(uv[1])],
+                [high[0].max(uv[0]), high[1].max(uv[1])],
+            ];
+            let level = self.footprint_level(facet, *px);
+            levels.extend([0.0, -BAND_LEVELS, BAND_LEVELS].map(|off| self.rounded(level + off)));
+        }
+        // A ratio of linear functions is the least and the greatest at corners, unless it has a pole between them.
+        let is_before = |px: &&[f64; 2]| self.shares(facet, **px).element_sum() > 0.0;
+        if places.len() > 1 && places.iter().filter(is_before).count() % places.len() > 0 {
+            return None;
+        }
+        levels.sort_unstable();
         levels.dedup();
-        let found = levels.into_iter().map(|level| self.lookup(uv, level));
+        let found = levels.into_iter().map(|level| self.lookup(range, level));
         found.collect()
+    }
+
+    /// Whether a place of a grid over the band about a pixel's middle has something that fits: one of a square of it,
+    /// which is cut in four unless nothing of it may fit.
+    ///
+    /// - `low`: the square's first corner, in [`FINE`] parts of the band from the middle
+    /// - `size`: its side in the same
+    fn is_near(
+        &self,
+        facet: usize,
+        px: [f64; 2],
+        low: [i32; 2],
+        size: i32,
+        fits: &impl Fn(Option<&Lookup>) -> bool,
+    ) -> bool {
+        let corner = |step: i32| {
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| [low[0] + step * x, low[1] + step * y])
+        };
+        let places = corner(size).map(|at| {
+            let off = at.map(|at| BAND_PX * f64::from(at) / f64::from(FINE));
+            [px[0] + off[0], px[1] + off[1]]
+        });
+        let places = if size == 0 { &places[..1] } else { &places };
+        let found = self.lookups(facet, places);
+        let may = found.is_none_or(|found| found.iter().any(|one| fits(Some(one))));
+        if size == 0 || !may {
+            return may;
+        }
+        let half = size / 2;
+        let mut parts = corner(size - half).into_iter();
+        parts.any(|low| self.is_near(facet, px, low, half, fits))
     }
 
     /// Whether any place within the band has something that fits; and whether the pixel's middle has.
     ///
-    /// - `middle`: the triangle at the pixel's middle
+    /// - `middle`: what that may show; none beside the globe
     fn fits(
         &self,
         px: [f64; 2],
-        middle: Option<usize>,
+        middle: Option<&[Lookup]>,
         fits: impl Fn(Option<&Lookup>) -> bool,
     ) -> [bool; 2] {
-        let of_facet = |facet, px| self.lookups(facet, px).iter().any(|one| fits(Some(one)));
         let is_exact = match middle {
-            Some(facet) => of_facet(facet, px),
+            Some(all) => all.iter().any(|one| fits(Some(one))),
             None => fits(None),
         };
         if is_exact {
             return [true; 2];
         }
-        let off = |x: i32, y: i32, of: i32| {
-            let at = [x, y].map(|at| BAND_PX * f64::from(at) / f64::from(of));
-            [px[0] + at[0], px[1] + at[1]]
-        };
-        let around = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y)));
-        let mut facets: Vec<Option<usize>> =
-            around.map(|(x, y)| self.facet(off(x, y, 1))).collect();
+        let ends = [-BAND_PX, 0.0, BAND_PX];
+        let around = ends.into_iter().flat_map(|y| ends.map(|x| [x, y]));
+        let mut facets: Vec<Option<usize>> = around
+            .map(|[x, y]| self.facet([px[0] + x, px[1] + y]))
+            .collect();
         facets.sort_unstable();
         facets.dedup();
         // Where triangles are narrow, many texels lie within the band.
         let is_near = facets.into_iter().any(|facet| match facet {
             None => fits(None),
-            Some(facet) => {
-                (-FINE..=FINE).any(|y| (-FINE..=FINE).any(|x| of_facet(facet, off(x, y, FINE))))
-            }
+            Some(facet) => self.is_near(facet, px, [-FINE; 2], 2 * FINE, &fits),
         });
         [is_near, false]
     }
@@ -278,17 +331,8 @@ impl<'a> Reference<'a> {
     }
 
     /// Whether a pixel that says so is right.
-    fn is_right(&self, px: [f64; 2], middle: Option<usize>, said: &Said) -> [bool; 2] {
-        self.fits(px, middle, |lookup| {
-            let expected = lookup.map_or_else(Said::default, |lookup| Said {
-                wanted: Some(lookup.wanted),
-                footprint: lookup.footprint,
-                texels: lookup
-                    .shown
-                    .map_or([0; 2], |(page, local)| texels(page, local)),
-            });
-            expected == *said
-        })
+    fn is_right(&self, px: [f64; 2], middle: Option<&[Lookup]>, said: &Said) -> [bool; 2] {
+        self.fits(px, middle, |lookup| says(lookup, said))
     }
 
     /// Pages that the picture's edge cuts, by their addresses.
@@ -315,9 +359,11 @@ impl<'a> Reference<'a> {
         let cut = said.map_or_else(HashSet::new, |said| self.cut(said));
         self.by_pixel(|pixel, px| {
             let facet = self.facet(px);
+            let middle = facet.map(|facet| self.lookups(facet, &[px]).unwrap_or_default());
+            let middle = middle.as_deref();
             let shown = colours[pixel];
             let [mut is_right, mut is_exact] =
-                self.fits(px, facet, |lookup| match lookup.map(|of| of.shown) {
+                self.fits(px, middle, |lookup| match lookup.map(|of| of.shown) {
                     None => shown == [0; 4],
                     Some(None) => false,
                     Some(Some((page, local))) => pages
@@ -326,7 +372,7 @@ impl<'a> Reference<'a> {
                 });
             let said = said.map(|said| &said[pixel]);
             if let Some(said) = said {
-                let [right, exact] = self.is_right(px, facet, said);
+                let [right, exact] = self.is_right(px, middle, said);
                 is_right &= right;
                 is_exact &= exact;
             }
@@ -355,42 +401,89 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// Column and row, in a stored page, of the first of the four texels about a place, and how far the place is past it.
+/// Whether a pixel that shows this may say so.
+fn says(lookup: Option<&Lookup>, said: &Said) -> bool {
+    let Some(lookup) = lookup else {
+        return *said == Said::default();
+    };
+    said.wanted == Some(lookup.wanted)
+        && said.footprint == lookup.footprint
+        && match lookup.shown {
+            None => said.texels == [0; 2],
+            Some((page, places)) => is_among(page, places, said.texels),
+        }
+}
+
+/// Along an axis, the texels of a stored page between whose middles places lie.
+///
+/// - `at`: the least and the greatest place, in texels from the page's corner
 #[allow(clippy::cast_possible_truncation, reason = "held within a page")]
-fn first_texel(local: [f64; 2]) -> ([i64; 2], [f64; 2]) {
-    let at = local.map(|at| at + 0.5);
-    (at.map(|at| at.floor() as i64), at.map(|at| at - at.floor()))
+fn first_texels(at: [f64; 2]) -> RangeInclusive<i64> {
+    let [low, high] = at.map(|at| (at + 0.5).floor() as i64);
+    low..=high
 }
 
-/// Addresses of the first and the last of the four texels about a place of a page.
-fn texels(page: Page, local: [f64; 2]) -> [u32; 2] {
-    let ([column, row], _) = first_texel(local);
+/// Whether the addresses of the first and the last of the four texels about some place of a page are these.
+fn is_among(page: Page, [low, high]: [[f64; 2]; 2], said: [u32; 2]) -> bool {
     let side = Texture::side(page.level);
-    [0, 1].map(|off| {
-        let [x, y] = [(page.x, column), (page.y, row)]
-            .map(|(page, at)| i64::from(page * PAGE) + at - 1 + off);
-        address(page.level, wrapped(x, side), clamped(y, side))
+    let corner = [page.x, page.y].map(|page| i64::from(page * PAGE) - 1);
+    let mut columns = first_texels([low[0], high[0]]);
+    columns.any(|column| {
+        first_texels([low[1], high[1]]).any(|row| {
+            let [x, y] = [corner[0] + column, corner[1] + row];
+            let of = |off| address(page.level, wrapped(x + off, side), clamped(y + off, side));
+            [0, 1].map(of) == said
+        })
     })
 }
 
-/// Whether a colour is what a filter may make of a page's texels at a place.
-fn is_between(texels: &[u8], local: [f64; 2], shown: [u8; 4]) -> bool {
-    let ([column, row], [across, down]) = first_texel(local);
+/// Whether a colour is what a filter may make of a page's texels at some place.
+///
+/// - `places`: the least and the greatest, in texels from the page's corner
+fn is_between(texels: &[u8], [low, high]: [[f64; 2]; 2], shown: [u8; 4]) -> bool {
+    // Between the middles of four texels a filter's colours are the least and the greatest at corners.
+    let stops = |axis: usize| {
+        let [low, high] = [low[axis], high[axis]];
+        let middles = first_texels([low, high]).skip(1);
+        let mut stops = vec![low + 0.5];
+        stops.extend(middles.map(|at| at as f64));
+        stops.extend((high > low).then_some(high + 0.5));
+        stops
+    };
+    let (across, down) = (stops(0), stops(1));
     [0, 1, 2, 3].into_iter().all(|channel| {
-        let texel = |x: i64, y: i64| {
-            let at = (row + y) * i64::from(STORED) + column + x;
-            let at = usize::try_from(at).unwrap_or(usize::MAX);
-            texels
-                .get(4 * at + channel)
-                .copied()
-                .map_or(f64::NAN, f64::from)
-        };
-        let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
-        let [north, south] = [0, 2].map(|at| four[at] + across * (four[at + 1] - four[at]));
-        let value = north + down * (south - north);
-        let highest = four.into_iter().fold(f64::MIN, f64::max);
-        let spread = highest - four.into_iter().fold(f64::MAX, f64::min);
+        let at = |x: f64, y: f64| filtered(texels, channel, [x, y]);
+        let all = down.iter().flat_map(|y| across.iter().map(|x| at(*x, *y)));
+        let none = [f64::INFINITY, f64::NEG_INFINITY, 0.0];
+        let [least, most, spread] = all.fold(none, |all, [value, spread]| {
+            [all[0].min(value), all[1].max(value), all[2].max(spread)]
+        });
         let doubt = spread * PLACE_TEXELS + ROUNDED;
-        (f64::from(shown[channel]) - value).abs() <= doubt
+        (least - doubt..=most + doubt).contains(&f64::from(shown[channel]))
     })
 }
+
+/// A channel between the middles of four texels, and how far apart they are.
+///
+/// - `at`: from the middle of the stored page's first texel, in texels
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "held within a page"
+)]
+fn filtered(texels: &[u8], channel: usize, at: [f64; 2]) -> [f64; 2] {
+    let [column, row] = at.map(|at| at.floor() as usize);
+    let [across, down] = at.map(|at| at - at.floor());
+    let texel = |x: usize, y: usize| {
+        let at = 4 * ((row + y) * STORED as usize + column + x) + channel;
+        texels.get(at).copied().map_or(f64::NAN, f64::from)
+    };
+    let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
+    let [north, south] = [0, 2].map(|at| four[at] + across * (four[at + 1] - four[at]));
+    let highest = four.into_iter().fold(f64::MIN, f64::max);
+    let lowest = four.into_iter().fold(f64::MAX, f64::min);
+    [north + down * (south - north), highest - lowest]
+}
+
+#[cfg(test)]
+mod tests;

@@ -196,8 +196,14 @@ fn bilinear(rgba: &[u8], [width, height]: [u32; 2], [u, v]: [f64; 2]) -> [u8; 4]
             west + (across - column) * (east - west)
         };
         let [north, south] = [along(0), along(1)];
-        (north + (down - row) * (south - north)).round() as u8
+        byte(north + (down - row) * (south - north))
     })
+}
+
+/// The nearest one.
+#[allow(clippy::cast_possible_truncation, reason = "of a mean of bytes")]
+pub(crate) fn byte(value: f64) -> u8 {
+    value.round() as u8
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 use super::*;
-use crate::texture::PAGE;
+use crate::residency::LEAF;
+use crate::texture::STORED;
 use std::rc::Rc;
 use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::Status;
@@ -92,53 +93,99 @@ fn notes(verdict: &Verdict) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// What is found of the last frame of a flight after a fault, and how many pages a still view then lacks.
-///
-/// - `fault`: done to the device before the frame is drawn once more, with the table as it was
-fn faulty(
-    context: Context<'_>,
+/// A flight that is at rest, whose last view is drawn once more after each fault.
+struct Rested {
+    texture: Texture,
     flight: Flight,
-    fault: impl FnOnce(&mut Stage, &PageFile, &mut Vec<u32>, &mut Vec<[u8; 4]>),
-) -> (Judged, usize) {
-    let texture = small(Source::Addresses);
-    let gpu = terrafill_gpu::shared_gpu(context.devices).expect("a device");
-    let file = PageFile::make(&texture, context.folder).expect("written");
-    let size = ImageSize::new(SIDE, SIDE);
-    let mut stage = Stage::new(&gpu, size, &texture, 64).expect("opens");
-    let mut paged = Paged {
-        texture: &texture,
-        file: &file,
-        stage: &mut stage,
-        slots: 64,
+    stage: Stage,
+    table: Vec<u32>,
+    /// Of all slots that are taken.
+    pages: HashMap<Page, Vec<u8>>,
+}
+
+impl Rested {
+    fn new(context: Context<'_>, texture: Texture, flight: Flight) -> Self {
+        let gpu = terrafill_gpu::shared_gpu(context.devices).expect("a device");
+        let file = PageFile::make(&texture, context.folder).expect("written");
+        let size = ImageSize::new(SIDE, SIDE);
+        let mut stage = Stage::new(&gpu, size, &texture, 64).expect("opens");
+        let mut paged = Paged {
+            texture: &texture,
+            file: &file,
+            stage: &mut stage,
+            slots: 64,
+        };
+        let mut table = Vec::new();
+        let keep = |_: [usize; 2], _: &Eye, last: &[u32], _: &mut Stage| {
+            table = last.to_vec();
+            Ok(())
+        };
+        let flown = fly(&mut paged, flight, true, keep);
+        flown.map_err(Failure::reason).expect("flown");
+        let held = (0..table.len()).filter(|number| table[*number] & SLOT != 0);
+        let pages = held.map(Page::numbered);
+        let pages = pages.map(|page| (page, texture.page(page))).collect();
+        Self {
+            texture,
+            flight,
+            stage,
+            table,
+            pages,
+        }
+    }
+
+    /// What is found of the view, and how many pages it lacks.
+    ///
+    /// - `table`: that the judge has
+    /// - `change`: of the picture
+    fn judged(&mut self, table: &[u32], change: impl FnOnce(&mut [[u8; 4]])) -> (Judged, usize) {
+        let eye = self.flight.path.eye(FRAMES, SIDE);
+        let stage = &mut self.stage;
+        stage.draw(&eye, self.flight.look(false)).expect("drawn");
+        let mut colours = stage.colours().expect("read");
+        change(&mut colours);
+        let look = Look {
+            addresses: true,
+            ..self.flight.look(true)
+        };
+        stage.draw(&eye, look).expect("drawn");
+        let counts = stage.counts(true).expect("read").expect("counts");
+        let said = stage.said().expect("read");
+        let said = matches!(self.texture.source, Source::Addresses).then_some(&said[..]);
+        let globe = Globe::new();
+        let by_derivative = self.flight.rule == Rule::Derivative;
+        let reference = Reference::new(eye, &globe, &self.texture, table, by_derivative);
+        let judged = reference.judge(&colours, &self.pages, said);
+        (judged, stage.lacks(&counts))
+    }
+
+    /// Pixels that are wrong with other texels in the slots of some pages, which are then as they were.
+    fn with_texels(&mut self, of: impl Fn(Page, &Texture) -> Option<Vec<u8>>) -> u64 {
+        let slot = |page: Page| (self.table[page.number()] & SLOT) as usize - 1;
+        let others = self.pages.keys().copied();
+        let others = others.filter_map(|page| Some((page, of(page, &self.texture)?)));
+        let others: Vec<(Page, Vec<u8>)> = others.collect();
+        for (page, texels) in &others {
+            self.stage.write_page(slot(*page), texels);
+        }
+        let (judged, _) = self.judged(&self.table.clone(), |_| ());
+        for (page, _) in others {
+            let slot = (self.table[page.number()] & SLOT) as usize - 1;
+            self.stage.write_page(slot, &self.pages[&page]);
+        }
+        judged.mismatched
+    }
+}
+
+/// A page's own texels, with its first and last columns and rows in place of its neighbours'.
+fn without_border(texels: &[u8]) -> Vec<u8> {
+    let side = STORED as usize;
+    let inner = |at: usize| at.clamp(1, side - 2);
+    let texel = |at: usize| {
+        let own = 4 * (inner(at / side) * side + inner(at % side));
+        [0, 1, 2, 3].map(|channel| texels[own + channel])
     };
-    let mut last = Vec::new();
-    let keep = |_: [usize; 2], _: &Eye, table: &[u32], _: &mut Stage| {
-        last = table.to_vec();
-        Ok(())
-    };
-    fly(&mut paged, flight, true, keep)
-        .map_err(Failure::reason)
-        .expect("flown");
-    let eye = flight.path.eye(FRAMES, SIDE);
-    stage.draw(&eye, flight.look(false)).expect("drawn");
-    let mut colours = stage.colours().expect("read");
-    fault(&mut stage, &file, &mut last, &mut colours);
-    let look = Look {
-        addresses: true,
-        ..flight.look(true)
-    };
-    stage.draw(&eye, look).expect("drawn");
-    let counts = stage.counts(true).expect("read").expect("counts");
-    let said = stage.said().expect("read");
-    let held = (0..last.len()).filter(|number| last[*number] & SLOT != 0);
-    let pages = held
-        .map(Page::numbered)
-        .map(|page| (page, texture.page(page)));
-    let pages = pages.collect();
-    let globe = Globe::new();
-    let reference = Reference::new(eye, &globe, &texture, &last, look.by_derivative);
-    let judged = reference.judge(&colours, &pages, Some(&said));
-    (judged, stage.lacks(&counts))
+    (0..side * side).flat_map(texel).collect()
 }
 
 /// The page that the last frame shows below the eye, and its slot.
@@ -160,75 +207,51 @@ fn shown(table: &[u32]) -> (Page, usize) {
 #[test]
 fn a_wrong_slot_a_border_left_out_a_stale_entry_and_another_level_are_noticed() {
     on_device(|context| {
-        let flight = counted(Path::Smooth, usize::MAX);
-        let derivative = Flight {
-            rule: Rule::Derivative,
-            ..flight
-        };
-        let mut bytes = vec![0; PAGE_BYTES];
-        for flight in [flight, derivative] {
-            let of = |fault: &mut dyn FnMut(&mut Stage, &PageFile, &mut Vec<u32>)| {
-                let found = faulty(context, flight, |stage, file, table, _| {
-                    fault(stage, file, table);
-                });
-                found.0.mismatched
+        for rule in [Rule::Counted, Rule::Derivative] {
+            let flight = Flight {
+                rule,
+                ..counted(Path::Smooth, usize::MAX)
             };
-            let (right, lacks) = faulty(context, flight, |_, _, _, _| ());
+            let mut rested = Rested::new(context, small(Source::Addresses), flight);
+            let table = rested.table.clone();
+            let (right, lacks) = rested.judged(&table, |_| ());
             assert_eq!((right.mismatched, lacks), (0, 0), "{right:?}");
-            // Colours alone: a picture that is a pixel off, and a table of before the flight.
-            let rows = |colours: &mut Vec<[u8; 4]>| {
-                let few = 8 * SIDE as usize;
+            // Colours alone: a picture that is a pixel off.
+            let few = 8 * SIDE as usize;
+            let (off, _) = rested.judged(&table, |colours| {
                 let middle = colours.len() / 2;
                 colours[middle..middle + few].rotate_left(1);
-                few as u64
-            };
-            let mut few = 0;
-            let (off, _) = faulty(context, flight, |_, _, _, colours| few = rows(colours));
-            assert!(off.mismatched > few / 2, "{off:?}");
-            let (_, lacks) = faulty(context, flight, |stage, _, _, _| stage.restart());
-            assert!(lacks > 0, "an empty table");
-            // Another page's texels in the slot.
-            let wrong = of(&mut |stage, file, table| {
-                let (page, slot) = shown(table);
-                let other = page.parent().expect("not the whole");
-                file.read(other, &mut bytes).expect("read");
-                stage.write_page(slot, &bytes);
             });
-            assert!(wrong > 0);
-            // Its own texels, with the first and the last column and row in place of the neighbours'.
-            let wrong = of(&mut |stage, _, table| {
-                let (page, slot) = shown(table);
-                for row in 0..130_u32 {
-                    for column in 0..130_u32 {
-                        let [x, y] = [(page.x, column), (page.y, row)]
-                            .map(|(page, at)| page * PAGE + at.clamp(1, PAGE) - 1);
-                        let texel = crate::texture::address(page.level, x, y).to_le_bytes();
-                        let at = 4 * (row * 130 + column) as usize;
-                        bytes[at..at + 4].copy_from_slice(&texel);
-                    }
-                }
-                stage.write_page(slot, &bytes);
-            });
-            assert!(wrong > 0, "a border left out");
+            assert!(off.mismatched > few as u64 / 2, "{off:?}");
+            // Another page's texels in the slot, and no neighbours' texels.
+            let (page, _) = shown(&table);
+            let other = page.parent().expect("not the whole");
+            let wrong = rested.with_texels(|one, of| (one == page).then(|| of.page(other)));
+            assert!(wrong > 0, "a wrong slot");
+            let border = |one, of: &Texture| (one == page).then(|| without_border(&of.page(one)));
+            assert!(rested.with_texels(border) > 0, "a border left out");
             // The page has gone, and the device's table still has it.
-            let wrong = of(&mut |_, _, table| {
-                let (page, _) = shown(table);
-                table[page.number()] &= !SLOT;
-            });
-            assert!(wrong > 0, "a stale entry");
-        }
-        // Leaves one level off.
-        let (wrong, _) = faulty(context, flight, |_, _, table, _| {
-            let leaf = crate::residency::LEAF;
-            for number in (0..table.len()).rev().filter(|at| *at > 0) {
-                if table[number] & leaf != 0 {
-                    let parent = Page::numbered(number).parent().expect("not the whole");
-                    table[number] &= !leaf;
-                    table[parent.number()] |= leaf;
-                }
+            let mut stale = table.clone();
+            stale[page.number()] &= !SLOT;
+            let (wrong, _) = rested.judged(&stale, |_| ());
+            assert!(wrong.mismatched > 0, "a stale entry");
+            // Leaves one level off.
+            let mut coarser = table.clone();
+            for number in (1..table.len()).rev().filter(|at| table[*at] & LEAF != 0) {
+                let parent = Page::numbered(number).parent().expect("not the whole");
+                coarser[number] &= !LEAF;
+                coarser[parent.number()] |= LEAF;
             }
-        });
-        assert!(wrong.mismatched > 0, "an off-by-one level");
+            let (wrong, _) = rested.judged(&coarser, |_| ());
+            let has_leaves = rule == Rule::Counted;
+            assert_eq!(wrong.mismatched > 0, has_leaves, "an off-by-one level");
+            // Faults were mended, and a table of before the flight lacks pages.
+            let (again, _) = rested.judged(&table, |_| ());
+            assert_eq!(again, right);
+            rested.stage.restart();
+            let (_, lacks) = rested.judged(&table, |_| ());
+            assert!(lacks > 0, "an empty table");
+        }
     });
 }
 
