@@ -471,7 +471,7 @@ fn is_between(texels: &[u8], [low, high]: [[f64; 2]; 2], shown: [u8; 4]) -> bool
     clippy::cast_sign_loss,
     reason = "held within a page"
 )]
-fn filtered(texels: &[u8], channel: usize, at: [f64; 2]) -> [f64; 2] {
+pub(crate) fn filtered(texels: &[u8], channel: usize, at: [f64; 2]) -> [f64; 2] {
     let [column, row] = at.map(|at| at.floor() as usize);
     let [across, down] = at.map(|at| at - at.floor());
     let texel = |x: usize, y: usize| {

@@ -1,6 +1,8 @@
 use super::*;
+use crate::judge::filtered;
 use crate::residency::LEAF;
-use crate::texture::STORED;
+use crate::texture::{PAGE, STORED, byte};
+use std::f64::consts::TAU;
 use std::rc::Rc;
 use terrafill_contract::{Devices, device_for_test};
 use terrafill_results::Status;
@@ -251,6 +253,85 @@ fn a_wrong_slot_a_border_left_out_a_stale_entry_and_another_level_are_noticed() 
             rested.stage.restart();
             let (_, lacks) = rested.judged(&table, |_| ());
             assert!(lacks > 0, "an empty table");
+        }
+    });
+}
+
+/// Oceans, coasts, land and ice, as many texels as half of a texture's finest level has: so much is the Blue Marble
+/// enlarged, twice along each side.
+fn earth_like() -> Source {
+    let [width, height] = [512_u32, 256];
+    let texel = |at: u32| {
+        let [u, v] = [at % width, at / width].map(f64::from);
+        let [u, v] = [u / f64::from(width), v / f64::from(height)];
+        // Waves that meet themselves round the Earth, each twice as fine as the one before.
+        let waves = (0..6).map(|octave| {
+            let turns = TAU * f64::from(2_u32 << octave);
+            let phase = f64::from(octave);
+            ((turns * u + 3.0 * phase).sin() * (turns * v + phase).cos()) * 0.7_f64.powi(octave)
+        });
+        let height: f64 = waves.sum();
+        let colour = match height {
+            _ if (v - 0.5).abs() > 0.42 => [235.0, 240.0, 245.0],
+            ..0.2 => [10.0, 30.0 + 15.0 * height, 80.0 + 20.0 * height],
+            _ => [
+                40.0 + 60.0 * height,
+                90.0 + 20.0 * height,
+                40.0 + 30.0 * height,
+            ],
+        };
+        let [r, g, b] = colour.map(|of: f64| byte(of.clamp(0.0, 255.0)));
+        [r, g, b, 255]
+    };
+    let rgba = (0..width * height).flat_map(texel).collect();
+    Source::Picture(Arc::new(
+        MipChain::new(width, height, rgba).expect("a picture"),
+    ))
+}
+
+/// Stored texels as a page has them at other places.
+///
+/// - `place`: of a column and a row, from the middle of the first stored texel
+fn resampled(texels: &[u8], place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<u8> {
+    let side = STORED as usize;
+    let texel = |at: usize| {
+        let at = place([at % side, at / side].map(|at| at as f64));
+        let at = at.map(|at| at.clamp(0.0, f64::from(STORED) - 1.001));
+        [0, 1, 2, 3].map(|channel| byte(filtered(texels, channel, at)[0]))
+    };
+    (0..side * side).flat_map(texel).collect()
+}
+
+#[test]
+fn colours_of_an_earth_show_half_a_texel_a_coarser_level_and_a_border_left_out() {
+    on_device(|context| {
+        for rule in [Rule::Counted, Rule::Derivative] {
+            let flight = Flight {
+                rule,
+                ..counted(Path::Smooth, usize::MAX)
+            };
+            let mut rested = Rested::new(context, small(earth_like()), flight);
+            let table = rested.table.clone();
+            let (right, _) = rested.judged(&table, |_| ());
+            assert!(right.mismatched == 0 && right.covered > 1000, "{right:?}");
+            let half = rested.with_texels(|page, of| {
+                let place = |at: [f64; 2]| at.map(|at| at + 0.5);
+                Some(resampled(&of.page(page), place))
+            });
+            // The part of the coarser page that a page is a quarter of, twice as large.
+            let coarser = rested.with_texels(|page, of| {
+                let parent = of.page(page.parent()?);
+                let [x, y] = [page.x, page.y].map(|at| f64::from(at % 2 * PAGE / 2) + 0.25);
+                let place = |at: [f64; 2]| [x + 0.5 * at[0], y + 0.5 * at[1]];
+                Some(resampled(&parent, place))
+            });
+            let border = rested.with_texels(|page, of| Some(without_border(&of.page(page))));
+            eprintln!("{rule:?}: {half} {coarser} {border} of {right:?}");
+            assert!(half > right.covered / 10, "half a texel off: {half}");
+            // Both levels enlarge the picture: only its bends differ.
+            assert!(coarser > right.covered / 50, "a coarser level: {coarser}");
+            assert!(border > 10, "a border left out: {border}");
+            assert_eq!(rested.judged(&table, |_| ()).0, right, "all is mended");
         }
     });
 }
