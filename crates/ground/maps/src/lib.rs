@@ -6,6 +6,7 @@
 mod cap;
 mod cut;
 mod loader;
+mod quadtree;
 mod seam;
 mod slots;
 mod tile;
@@ -13,6 +14,7 @@ mod tile;
 pub use cap::{CAP_SPAN, cap_point};
 pub use cut::{PictureLevel, cut_cap, cut_tile};
 pub use loader::Loader;
+pub use quadtree::{Node, Quadtree, Thresholds, children};
 pub use seam::{Seam, SeamCorner, fragment_u, half_plane_crossings, split};
 pub use slots::{Placed, Slots};
 pub use tile::{MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, place};

@@ -4,7 +4,6 @@
 
 pub(crate) mod course;
 pub(crate) mod device;
-pub(crate) mod quadtree;
 pub(crate) mod scene;
 mod section;
 
@@ -12,13 +11,12 @@ pub(crate) use section::{SECTION, why_not_settled};
 
 use crate::STUDY;
 use crate::list::{Eye, List};
-use crate::metrics::{self, API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX, TRANSFERS};
+use crate::metrics::{self, API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX};
 use course::{CountedFrame, Course};
 use device::{Counters, NODE_TEXELS, PixelCount, SIDE_PX};
-use quadtree::{Node, Quadtree, Thresholds};
 use scene::Picture;
 use std::collections::BTreeMap;
-use terrafill_contract::CpuStopwatch;
+use terrafill_maps::{Node, Quadtree, Thresholds};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 
@@ -54,8 +52,6 @@ struct Work {
     way: PixelCount,
     hysteresis: f64,
     delay: usize,
-    /// Splits and merges of a frame at most.
-    transfers: usize,
 }
 
 /// All work on counts of vertices and pixels, as one group of cases.
@@ -76,19 +72,17 @@ impl Counts {
                         way,
                         hysteresis,
                         delay,
-                        transfers: usize::MAX,
                     }));
                 }
             }
         }
         for way in PixelCount::ALL {
-            work.extend([usize::MAX, 1].map(|transfers| Work {
+            work.push(Work {
                 path: Path::Zoom,
                 way,
                 hysteresis: ENOUGH,
                 delay: 1,
-                transfers,
-            }));
+            });
         }
         CaseGroup {
             name: format!("{STUDY}/{PART}"),
@@ -124,10 +118,6 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
         Path::Still(view) => view,
         Path::Zoom => "zoom",
     };
-    let transfers = match work.transfers {
-        usize::MAX => "any".to_owned(),
-        count => count.to_string(),
-    };
     let [api, way] = work.way.names();
     let conditions = [
         (metrics::PART, PART.to_owned()),
@@ -136,11 +126,10 @@ fn case(work: &Work, samples: u32) -> PlannedCase {
         (COUNTED_BY, way.to_owned()),
         (HYSTERESIS, work.hysteresis.to_string()),
         (DELAY, work.delay.to_string()),
-        (TRANSFERS, transfers.clone()),
         (SIZE_PX, SIDE_PX.to_string()),
     ];
     let name = format!(
-        "{PART}/{path}/{way}/hysteresis={}/delay={}/transfers={transfers}",
+        "{PART}/{path}/{way}/hysteresis={}/delay={}",
         work.hysteresis, work.delay
     );
     PlannedCase {
@@ -157,12 +146,10 @@ struct CountPart<'a> {
     last: BTreeMap<usize, CountedFrame>,
 }
 
-/// A loop, and what its paging cost.
+/// A loop.
 #[derive(Debug, Clone, Default)]
-struct Paged {
+struct Counted {
     course: Course,
-    /// CPU time of each frame's paging.
-    paging_ms: Vec<f64>,
     /// Pixels of all nodes in the last frame.
     pixels: u64,
 }
@@ -176,7 +163,7 @@ impl<'a> CountPart<'a> {
         }
     }
 
-    fn run(&mut self, case: usize) -> Result<Paged, Failure> {
+    fn run(&mut self, case: usize) -> Result<Counted, Failure> {
         let work = self.group.work[case];
         let frames = match work.path {
             Path::Still(_) => FRAMES,
@@ -190,7 +177,7 @@ impl<'a> CountPart<'a> {
         // Of each leaf, the frame in which it was first drawn.
         let mut since: BTreeMap<Node, usize> = BTreeMap::new();
         let mut counted: Vec<BTreeMap<Node, u64>> = Vec::new();
-        let mut paged = Paged::default();
+        let mut looped = Counted::default();
         for frame in 0..frames {
             let eye = self.group.eye(&work, frame)?;
             let drawn = picture.drawn(&eye, tree.leaves());
@@ -200,16 +187,16 @@ impl<'a> CountPart<'a> {
                 .iter()
                 .map(|node| (*node, since.get(node).copied().unwrap_or(frame)))
                 .collect();
-            paged.pixels = counts.values().sum();
+            looped.pixels = counts.values().sum();
             if frame == 0 || frame + 1 == frames {
-                paged.course.ends.push(CountedFrame {
+                looped.course.ends.push(CountedFrame {
                     eye,
                     drawn,
                     counts: counts.clone(),
                 });
             }
             counted.push(counts);
-            let new = match (frame + 1).checked_sub(work.delay) {
+            let has_changed = match (frame + 1).checked_sub(work.delay) {
                 // A count may be used so many frames after the one that it is of.
                 Some(old) if old <= frame => {
                     let usable = |node: Node| {
@@ -217,55 +204,46 @@ impl<'a> CountPart<'a> {
                         let count = counted[old].get(&node).filter(|_| is_own);
                         count.map(|count| *count as f64)
                     };
-                    tree.update(usable, thresholds, work.transfers)
+                    tree.update(usable, thresholds)
                 }
-                _ => Vec::new(),
+                _ => false,
             };
-            let watch = CpuStopwatch::start();
-            if !new.is_empty() {
-                paged.course.last_change = Some(frame);
-                self.counters.get(work.way)?.page(new.len())?;
+            if has_changed {
+                looped.course.last_change = Some(frame);
             }
-            paged.paging_ms.push(watch.cpu_ms());
-            paged.course.sizes.push(tree.count() as f64);
+            looped.course.sizes.push(tree.count() as f64);
         }
-        let last = paged.course.ends.last().cloned();
+        let last = looped.course.ends.last().cloned();
         self.last.extend(last.map(|last| (case, last)));
-        Ok(paged)
+        Ok(looped)
     }
 }
 
-fn verdict(work: &Work, paged: &Paged) -> Verdict {
-    let leaves = paged.course.sizes.last().copied().unwrap_or(0.0);
-    let mean_ms = paged.paging_ms.iter().sum::<f64>() / paged.paging_ms.len().max(1) as f64;
-    let max_ms = paged.paging_ms.iter().copied().fold(0.0, f64::max);
-    let (mut figures, reason) = paged.course.exactness();
-    figures.extend([
-        ("globe_count_leaves", leaves),
-        ("globe_count_page_cpu_ms", mean_ms),
-        ("globe_count_page_max_cpu_ms", max_ms),
-    ]);
-    if paged.pixels > 0 {
+fn verdict(work: &Work, looped: &Counted) -> Verdict {
+    let leaves = looped.course.sizes.last().copied().unwrap_or(0.0);
+    let (mut figures, reason) = looped.course.exactness();
+    figures.push(("globe_count_leaves", leaves));
+    if looped.pixels > 0 {
         let texels = leaves * f64::from(NODE_TEXELS * NODE_TEXELS);
-        let share = texels / paged.pixels as f64;
+        let share = texels / looped.pixels as f64;
         figures.push(("globe_count_texels_per_px", share));
     }
     if let Path::Still(_) = work.path {
-        figures.extend(paged.course.rest(work.delay));
+        figures.extend(looped.course.rest(work.delay));
     }
-    judged(reason, figures, vec![("leaves", paged.course.note())])
+    judged(reason, figures, vec![("leaves", looped.course.note())])
 }
 
 impl Shows for CountPart<'_> {
-    type Shown = Paged;
+    type Shown = Counted;
 
-    fn show(&mut self, case: usize) -> Result<(String, Paged), Failure> {
-        let paged = self.run(case)?;
-        Ok((paged.course.hash(), paged))
+    fn show(&mut self, case: usize) -> Result<(String, Counted), Failure> {
+        let looped = self.run(case)?;
+        Ok((looped.course.hash(), looped))
     }
 
-    fn judge(&mut self, case: usize, paged: Paged) -> Result<Verdict, Failure> {
-        Ok(verdict(&self.group.work[case], &paged))
+    fn judge(&mut self, case: usize, looped: Counted) -> Result<Verdict, Failure> {
+        Ok(verdict(&self.group.work[case], &looped))
     }
 
     /// The last frame with its counts read at once, and without counts.
@@ -297,7 +275,7 @@ mod tests {
                 };
                 let case = counts.work.work.iter().position(is_it).expect("planned");
                 match session.run(case) {
-                    Ok(Paged { course, .. }) => {
+                    Ok(Counted { course, .. }) => {
                         let against_rays = course.against_rays();
                         eprintln!("{way:?}: {:?} {against_rays:?}", course.sizes);
                         assert!(against_rays.1 == 0 && against_rays.2 > 8);

@@ -34,7 +34,6 @@ terrafill_results::conditions! {
     STEP = "step", "what a rule changes a radius by in a frame: a share of the radius, or a gain over that from which its loop does not settle";
     SURFACE = "surface", "what draws the globe: a family and its knob";
     TILES = "tiles", "how tiles reach shaders: a draw each, an array of textures, or bindless";
-    TRANSFERS = "transfers", "tiles that a frame may send";
     TRIG = "trig", "where sines and cosines are taken";
     VALUE = "value", "of the knob";
     VERTICES = "vertices", "where vertices come from: sent by the CPU, made by compute, from their number, or from one static buffer";
@@ -350,12 +349,6 @@ terrafill_results::metrics! {
         "globe_count_texels_per_px",
         "Texels of all leaves over their pixels in the last frame.",
     );
-    GLOBE_COUNT_PAGE_CPU_MS = Metric::time_ms(
-        "globe_count_page_cpu_ms",
-        "Process CPU time of handing a frame's new pictures to the device, which copies them later; mean of the frames.",
-    ).covering(Scope::UPLOAD);
-    GLOBE_COUNT_PAGE_MAX_CPU_MS =
-        Metric::time_ms("globe_count_page_max_cpu_ms", "The same, largest.").covering(Scope::UPLOAD);
     GLOBE_ZONE_HIDES = Metric::counter(
         "globe_zone_hides",
         "Pixels of a zone a level below the finest over those that it has at the finest, largest of all zones: what spikes hide.",

@@ -3,7 +3,6 @@
 
 use crate::page_file::PageFile;
 use crate::path::{Eye, FRAMES, Path, on_body};
-use crate::quadtree::Quadtree;
 use crate::residency::Residency;
 use crate::stage::{DELAY, Look, Stage};
 use crate::texture::{PAGE, PAGE_BYTES, Page, Texture};
@@ -11,6 +10,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, SQRT_2, TAU};
 use terrafill_contract::CpuStopwatch;
 use terrafill_core::Ellipsoid;
+use terrafill_maps::{Node, Quadtree, Thresholds};
 use terrafill_study::Failure;
 
 /// Pages that the device keeps.
@@ -107,9 +107,13 @@ impl Pilot {
         }
     }
 
+    fn leaves(&self) -> impl Iterator<Item = Page> {
+        self.tree.leaves().map(Page::from)
+    }
+
     /// Takes over the counts of an old frame, and chooses what a frame wants.
     fn decide(&mut self, frame: usize, eye: &Eye, counts: Option<&[u32]>) {
-        let hysteresis = self.flight.hysteresis;
+        let thresholds = Thresholds::new(f64::from(PAGE * PAGE), self.flight.hysteresis);
         match self.flight.rule {
             Rule::Counted => {
                 let Some(counts) = counts else { return };
@@ -118,19 +122,20 @@ impl Pilot {
                     let own = since.get(&page).is_some_and(|first| first + DELAY <= frame);
                     own.then(|| f64::from(counts[page.number()]))
                 };
-                self.tree.update(known, hysteresis);
+                self.tree.update(|node| known(node.into()), thresholds);
                 // A new leaf is as urgent as one that has a pixel for each texel.
                 let urgency = |page: Page| known(page).unwrap_or_else(|| f64::from(PAGE * PAGE));
-                self.wanted = by_urgency(self.tree.leaves(), urgency);
-                let leaves = self.tree.leaves();
+                self.wanted = by_urgency(self.leaves(), urgency);
+                let leaves = self.leaves();
                 let new =
                     leaves.map(|leaf| (leaf, self.since.get(&leaf).copied().unwrap_or(frame)));
                 self.since = new.collect();
             }
             Rule::Distance => {
                 let predicted = |page| predicted(page, eye);
-                self.tree.update(|page| Some(predicted(page)), hysteresis);
-                self.wanted = by_urgency(self.tree.leaves(), predicted);
+                let known = |node: Node| Some(predicted(node.into()));
+                self.tree.update(known, thresholds);
+                self.wanted = by_urgency(self.leaves(), predicted);
             }
             Rule::Derivative => {
                 let Some(counts) = counts else { return };
@@ -212,7 +217,7 @@ pub(crate) fn fly(
         let arrived = stage.counts(false)?;
         pilot.decide(frame, &eye, arrived.as_deref());
         if flight.rule != Rule::Derivative {
-            pilot.held.set_leaves(pilot.tree.leaves());
+            pilot.held.set_leaves(pilot.tree.leaves().map(Page::from));
         }
         let loads = pilot.held.request(&pilot.wanted, frame, budget);
         for load in &loads.loads {

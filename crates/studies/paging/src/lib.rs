@@ -13,7 +13,6 @@ mod metrics;
 mod page_file;
 mod path;
 mod picture;
-mod quadtree;
 mod residency;
 mod stage;
 mod study;

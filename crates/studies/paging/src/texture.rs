@@ -5,6 +5,7 @@
 //! Level 0 is one page of the whole texture; each level has twice the texels along a side of the one before.
 
 use std::sync::Arc;
+use terrafill_maps::Node;
 use terrafill_scene::MipChain;
 
 /// Texels along a side of a page.
@@ -74,12 +75,21 @@ impl Page {
     }
 
     /// Its four quarters.
+    #[cfg(test)]
     pub(crate) fn children(self) -> [Self; 4] {
         [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(east, south)| Self {
             level: self.level + 1,
             x: 2 * self.x + east,
             y: 2 * self.y + south,
         })
+    }
+}
+
+impl From<Node> for Page {
+    #[allow(clippy::cast_possible_truncation, reason = "a level has few pages")]
+    fn from((level, column, row): Node) -> Self {
+        let [x, y] = [column, row].map(|at| at as u32);
+        Self { level, x, y }
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the quadtree of [`crate::counts`] does in many views that stand still, in closed form.
 
-use crate::counts::quadtree::{Node, Quadtree, Thresholds, children};
+use terrafill_maps::{Node, Quadtree, Thresholds, children};
 
 /// Cells of a side in which pixels are counted: leaves of the deepest level.
 const SIDE: usize = 1 << MAX_LEVEL;
@@ -82,10 +82,7 @@ pub(super) fn settle(
 ) -> Option<usize> {
     let thresholds = Thresholds::new(texels, hysteresis);
     let mut tree = Quadtree::new(MAX_LEVEL);
-    let has_changed = |_: &usize| {
-        let new = tree.update(|node| Some(view.pixels(node)), thresholds, usize::MAX);
-        !new.is_empty()
-    };
+    let has_changed = |_: &usize| tree.update(|node| Some(view.pixels(node)), thresholds);
     let last_change = (0..frames).filter(has_changed).max();
     let rest = last_change.map_or(0, |last| last + 1);
     (rest < frames).then_some(rest)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a loop of level of detail by counted pixels did, frame by frame.
 
-use super::quadtree::Node;
 use super::scene::{ByRays, NodeVertices};
 use crate::list::Eye;
 use crate::sight::fingerprint;
 use std::collections::BTreeMap;
 use terrafill_lab::Cases;
+use terrafill_maps::Node;
 use terrafill_plot::Courses;
 use terrafill_results::{Block, Case, ChapterError};
 use terrafill_study::Figures;

@@ -2,9 +2,8 @@
 //! Pixels of nodes, counted by devices: on Vulkan by precise occlusion queries, on wgpu by a target of node numbers
 //! and a histogram. WebGPU's queries say no more than zero or not.
 
-use super::quadtree::Node;
 use super::scene::NodeVertices;
-use crate::canvas::{Canvas, Stages, texture, uniform, vertices, view_constants, write_layers};
+use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants};
 use crate::list::Eye;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -12,6 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, ViewConstants};
 use terrafill_gpu::{Gpu, read_buffer};
+use terrafill_maps::Node;
 use terrafill_scene::ImageSize;
 use terrafill_study::Figures;
 use terrafill_vulkan::{
@@ -32,9 +32,6 @@ pub(crate) trait Counter {
 
     /// Draws them without counting, and waits.
     fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError>;
-
-    /// Hands pictures of nodes to the device.
-    fn page(&mut self, count: usize) -> Result<(), DeviceError>;
 }
 
 /// How pixels are counted.
@@ -204,18 +201,11 @@ impl ByHistogram {
         };
         let layout = gpu.pipeline_layout("nodes", &[Some(&view_layout)]);
         let draw = canvas.pipeline("nodes", &layout, &stages);
-        let pictures = texture(
-            &gpu,
-            "picture of a node",
-            [NODE_TEXELS, NODE_TEXELS, 1],
-            wgpu::TextureFormat::Rgba8Unorm,
-        );
         Ok(Self {
             draw,
             histogram: Histogram::new(&gpu)?,
             bound_view: gpu.bind_buffers("view", &view_layout, &[&view]),
             view,
-            pictures,
             canvas,
         })
     }
@@ -253,16 +243,6 @@ impl Counter for ByHistogram {
         let encoder = self.record(eye, drawn)?;
         self.canvas.gpu.queue.submit([encoder.finish()]);
         self.canvas.gpu.wait()
-    }
-
-    fn page(&mut self, count: usize) -> Result<(), DeviceError> {
-        let gpu = &self.canvas.gpu;
-        let texels = vec![0x7f_u8; 4 * (NODE_TEXELS * NODE_TEXELS) as usize];
-        for _ in 0..count {
-            write_layers(gpu, &self.pictures, 0, &texels);
-        }
-        gpu.queue.submit([]);
-        gpu.wait()
     }
 }
 
@@ -335,13 +315,5 @@ impl Counter for ByQueries {
 
     fn draw(&mut self, eye: &Eye, drawn: &NodeVertices) -> Result<(), DeviceError> {
         self.frame(eye, drawn, Measured::Nothing).map(|_| ())
-    }
-
-    fn page(&mut self, count: usize) -> Result<(), DeviceError> {
-        let texels = vec![0x7f_u8; 4 * (NODE_TEXELS * NODE_TEXELS) as usize];
-        for _ in 0..count {
-            Buffer::upload(&self.gpu, "picture of a node", &texels, BufferUse::Storage)?;
-        }
-        Ok(())
     }
 }

@@ -3,7 +3,6 @@
 //!
 //! A node draws its whole area as 10 × 10 sub-quads, as Gebbie and Bailey's decals do.
 
-use super::quadtree::Node;
 use crate::canvas::no_triangles;
 use crate::error::around;
 use crate::list::Eye;
@@ -11,6 +10,7 @@ use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use terrafill_core::Geodetic;
+use terrafill_maps::Node;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;
 
