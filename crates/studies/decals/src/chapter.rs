@@ -489,44 +489,22 @@ fn answers(cases: &Cases<'_>) -> Answers {
 mod tests {
     use super::*;
     use crate::DecalsStudy;
-    use terrafill_fixtures::data;
-    use terrafill_lab::REFUSED;
-    use terrafill_results::Standing;
+    use terrafill_fixtures::studies::{misquoted_if, untested_without};
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_study::{Request, Study as _};
+    use terrafill_results::{CaseId, Standing};
 
     #[test]
     fn every_claim_is_tested_by_cases_that_are_planned() {
-        let planned = DecalsStudy.plan(&Request::default()).expect("a plan");
-        let of_plan = |is_planned: fn(&str) -> bool| {
-            let mut run = MadeUpRun::default();
-            let cases = planned.groups.iter().flat_map(|group| group.cases());
-            for case in cases.filter(|case| is_planned(&case.id.key())) {
-                run.case(case.id.clone());
-            }
-            let run = run.loaded();
-            let cases = Cases::of_study(&run, crate::STUDY);
-            // No two cases that a claim compares differ in anything beside.
-            let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
-            assert!(!page.contains(REFUSED), "{page}");
-            CLAIMS.untestable(&cases).expect("a paper")
-        };
-        assert_eq!(of_plan(|_| true), [""; 0]);
         // Negative control: a plan without lines.
-        let without = of_plan(|key| !key.contains("line"));
-        assert_eq!(without.len(), 2, "{without:?}");
+        let is_line = |case: &CaseId| case.condition("part") == "line";
+        let untested = untested_without(&DecalsStudy, &CLAIMS, is_line);
+        assert_eq!(untested.len(), 2, "{untested:?}");
     }
 
     #[test]
     #[ignore = "needs data: papers"]
     fn quotations_are_words_of_the_paper() {
-        // As plain text, beside the data folder.
-        let paper = CLAIMS.paper().expect("a paper");
-        let path = format!("../papers/{}.txt", paper.document);
-        let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
-        assert_eq!(paper.misquoted(&document), [""; 0]);
-        // Negative control: one word.
-        let wrong = paper.misquoted(&document.replace("cut through the Earth", "cut the Earth"));
+        let wrong = misquoted_if(&CLAIMS, "cut through the Earth", "cut the Earth");
         assert_eq!(wrong.len(), 1, "{wrong:?}");
     }
 

@@ -7,19 +7,15 @@ use crate::chapter::CHAPTER;
 use crate::divided::{Divided, FINE_PX, Origin, Series};
 use crate::interface::Interface;
 use crate::judge::{Reference, number, texels};
-use crate::metrics::METRICS;
 use crate::place::{Data, Shape};
 use crate::study::{by_counts, group};
 use glam::DVec2;
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_contract::{Devices, device_for_test, ids_of};
-use terrafill_results::{
-    Block, Chapter as _, Run, RunEnvironment, RunFolder, SCHEMA, Standing, Status, Verdict,
-};
-use terrafill_study::{
-    Context, Depth, Failure, Group as _, Request, RunOptions, Silent, plan, run,
-};
+use terrafill_fixtures::studies::measured;
+use terrafill_results::{Block, Chapter as _, Standing, Status, Verdict};
+use terrafill_study::{Context, Depth, Failure, Group as _, Request};
 
 const SIDE: u32 = 160;
 /// A folder in which all pictures are kept, to be looked at.
@@ -203,25 +199,7 @@ fn a_quick_run_has_a_chapter_and_its_requirements_hold() {
         names_size: true,
         ..Request::default()
     };
-    let options = RunOptions {
-        processes: 1,
-        process: 0,
-        warm_up: 0,
-        seed: 1,
-        shard: None,
-    };
-    let plan = plan(&[&DecalsStudy], &request, &options).expect("planned");
-    let environment = RunEnvironment {
-        schema: SCHEMA,
-        ..RunEnvironment::default()
-    };
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("run");
-    let run_folder = RunFolder::create(&path, environment, plan.run_plan().clone(), &METRICS);
-    let run_folder = run_folder.expect("a folder");
-    let devices = Rc::new(Devices::default());
-    run(&plan, &run_folder, &devices, &options, &mut Silent).expect("measured");
-    let run = Run::load(&path).expect("a run");
+    let run = measured(&DecalsStudy, &request);
     let blocks = CHAPTER.blocks(&run).expect("a chapter");
     let headings = blocks
         .iter()

@@ -106,14 +106,10 @@ fn requirements(cases: &Cases<'_>) -> Vec<Finding> {
 mod tests {
     use super::*;
     use crate::PipelinesStudy;
-    use crate::metrics::METRICS;
-    use std::rc::Rc;
-    use terrafill_contract::Devices;
+    use terrafill_fixtures::studies::measured;
     use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{
-        Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA, Standing,
-    };
-    use terrafill_study::{Depth, Request, RunOptions, Silent, plan, run};
+    use terrafill_results::{Chapter as _, Outcome, Standing};
+    use terrafill_study::{Depth, Request};
 
     fn finding<'a>(findings: &'a [Finding], words: &str) -> &'a Finding {
         let found = findings
@@ -129,25 +125,7 @@ mod tests {
             samples: Some(1),
             ..Request::default()
         };
-        let options = RunOptions {
-            processes: 1,
-            process: 0,
-            warm_up: 0,
-            seed: 1,
-            shard: None,
-        };
-        let plan = plan(&[&PipelinesStudy], &request, &options).expect("planned");
-        let environment = RunEnvironment {
-            schema: SCHEMA,
-            ..RunEnvironment::default()
-        };
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("run");
-        let run_folder = RunFolder::create(&path, environment, plan.run_plan().clone(), &METRICS);
-        let run_folder = run_folder.expect("a folder");
-        let devices = Rc::new(Devices::default());
-        run(&plan, &run_folder, &devices, &options, &mut Silent).expect("measured");
-        let run = Run::load(&path).expect("a run");
+        let run = measured(&PipelinesStudy, &request);
         for case in run.cases.iter().filter(|case| !is_wrong_by_design(case)) {
             let is_good = !matches!(case.outcome, Outcome::Wrong | Outcome::Failed);
             assert!(is_good, "{}: {}", case.id(), case.reason);

@@ -1,43 +1,22 @@
 use super::table_2::smooths;
 use super::*;
 use crate::PagingStudy;
-use terrafill_fixtures::data;
-use terrafill_lab::REFUSED;
+use terrafill_fixtures::studies::{misquoted_if, untested_without};
 use terrafill_results::made_up::{MadeUpRun, case_id};
-use terrafill_results::{Chapter as _, Metric, Standing};
-use terrafill_study::{Request, Study as _};
+use terrafill_results::{CaseId, Chapter as _, Metric, Standing};
 
 #[test]
 fn every_claim_is_tested_by_cases_that_are_planned() {
-    let planned = PagingStudy.plan(&Request::default()).expect("a plan");
-    let of_plan = |is_planned: fn(&str) -> bool| {
-        let mut run = MadeUpRun::default();
-        let cases = planned.groups.iter().flat_map(|group| group.cases());
-        for case in cases.filter(|case| is_planned(case.id.condition("part"))) {
-            run.case(case.id.clone());
-        }
-        let run = run.loaded();
-        let cases = Cases::of_study(&run, crate::STUDY);
-        // No two cases that a claim compares differ in anything beside.
-        let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
-        assert!(!page.contains(REFUSED), "{page}");
-        CLAIMS.untestable(&cases).expect("a paper")
-    };
-    assert_eq!(of_plan(|_| true), [""; 0]);
     // Negative control: a plan without the windows of Table 2.
-    assert_eq!(of_plan(|part| part != "table-2").len(), 3);
+    let is_window = |case: &CaseId| case.condition("part") == "table-2";
+    let untested = untested_without(&PagingStudy, &CLAIMS, is_window);
+    assert_eq!(untested.len(), 3, "{untested:?}");
 }
 
 #[test]
 #[ignore = "needs data: papers"]
 fn quotations_are_words_of_the_paper() {
-    let paper = CLAIMS.paper().expect("a paper");
-    // As plain text, beside the data folder.
-    let path = format!("../papers/{}.txt", paper.document);
-    let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
-    assert_eq!(paper.misquoted(&document), [""; 0]);
-    // Negative control: one word.
-    let wrong = paper.misquoted(&document.replace("occasional spikes", "frequent spikes"));
+    let wrong = misquoted_if(&CLAIMS, "occasional spikes", "frequent spikes");
     assert_eq!(wrong.len(), 1, "{wrong:?}");
 }
 

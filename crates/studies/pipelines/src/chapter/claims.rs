@@ -39,31 +39,15 @@ pub(super) const CLAIMS: StudyClaims = StudyClaims {
 mod tests {
     use super::*;
     use crate::PipelinesStudy;
-    use terrafill_fixtures::data;
-    use terrafill_lab::{Cases, REFUSED};
-    use terrafill_results::made_up::MadeUpRun;
-    use terrafill_study::{Request, Study as _};
+    use terrafill_fixtures::studies::{misquoted_if, untested_without};
+    use terrafill_results::CaseId;
 
     #[test]
     fn every_claim_is_tested_by_cases_that_are_planned() {
-        let planned = PipelinesStudy.plan(&Request::default()).expect("a plan");
-        let of_plan = |is_planned: fn(&str) -> bool| {
-            let mut run = MadeUpRun::default();
-            let cases = planned.groups.iter().flat_map(|group| group.cases());
-            for case in cases.filter(|case| is_planned(&case.id.key())) {
-                run.case(case.id.clone());
-            }
-            let run = run.loaded();
-            let cases = Cases::of_study(&run, crate::STUDY);
-            // No two cases that a claim compares differ in anything beside.
-            let page = format!("{:?}", CLAIMS.blocks(&cases).expect("a section"));
-            assert!(!page.contains(REFUSED), "{page}");
-            CLAIMS.untestable(&cases).expect("a paper")
-        };
-        assert_eq!(of_plan(|_| true), [""; 0]);
         // Negative control: a plan without the flight.
+        let is_flight = |case: &CaseId| case.key().contains("flight");
         assert_eq!(
-            of_plan(|key| !key.contains("flight")),
+            untested_without(&PipelinesStudy, &CLAIMS, is_flight),
             ["FPS With/Without 2-Level Culling"]
         );
     }
@@ -71,13 +55,8 @@ mod tests {
     #[test]
     #[ignore = "needs data: papers"]
     fn quotations_and_figures_are_those_of_the_paper() {
-        // As plain text, beside the data folder.
-        let paper = CLAIMS.paper().expect("a paper");
-        let path = format!("../papers/{}.txt", paper.document);
-        let document = String::from_utf8(data::bytes(&path)).expect("UTF-8");
-        assert_eq!(paper.misquoted(&document), [""; 0]);
-        // Negative control: one figure of a table.
-        let wrong = paper.misquoted(&document.replace("1851", "1815"));
+        // One figure of a table.
+        let wrong = misquoted_if(&CLAIMS, "1851", "1815");
         assert_eq!(wrong.len(), 1, "{wrong:?}");
     }
 }
