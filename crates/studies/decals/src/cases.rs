@@ -3,14 +3,19 @@
 
 use crate::divided::{Divided, Origin, Series, cells_by_formula};
 use crate::interface::Interface;
-use crate::metrics::{API, DEPTH, DIVISION, EXTENT, ORIGIN, PART, PATH, PROJECTION, SERIES, VIEW};
+use crate::metrics::{
+    API, DEPTH, DIVISION, EXTENT, ORIGIN, PART, PATH, PLACE, PROJECTION, SERIES, VIEW,
+};
 use crate::place::{Data, RADIUS_M};
 use crate::view::{Eye, Projection};
 use glam::DVec2;
+use std::f64::consts::FRAC_PI_2;
 use terrafill_results::ConditionKey;
 
-/// Middle of all data, degrees: the campus of the paper's own picture, in San Diego.
-const MIDDLE_DEG: [f64; 2] = [-117.237, 32.880];
+/// The campus of the paper's own picture, in San Diego, degrees.
+const CAMPUS_DEG: [f64; 2] = [-117.237, 32.880];
+/// So near to ±180° that data of a country's extent crosses it, degrees.
+const WEST_OF_LINE_DEG: f64 = 179.0;
 
 terrafill_results::named! {
     /// How large data is.
@@ -36,6 +41,28 @@ impl Extent {
 }
 
 terrafill_results::named! {
+    /// Where data lies.
+    pub(crate) enum Place {
+        Campus = "",
+        /// Its upper edge is the north pole.
+        Pole = "pole",
+        DateLine = "date-line",
+    }
+}
+
+impl Place {
+    /// Longitude and latitude of the data's middle, radians.
+    fn middle(self, extent: Extent) -> DVec2 {
+        let [longitude, latitude] = CAMPUS_DEG.map(f64::to_radians);
+        match self {
+            Self::Campus => DVec2::new(longitude, latitude),
+            Self::Pole => DVec2::new(longitude, FRAC_PI_2 - 0.5 * extent.angle()),
+            Self::DateLine => DVec2::new(WEST_OF_LINE_DEG.to_radians(), latitude),
+        }
+    }
+}
+
+terrafill_results::named! {
     /// From where data is seen.
     pub(crate) enum Vantage {
         Nadir = "nadir",
@@ -52,8 +79,7 @@ const HEIGHT_SHARE: f64 = 1.1;
 
 impl Vantage {
     /// The eye: from south of the data's middle, at which it looks.
-    pub(crate) fn eye(self, extent: Extent, side: u32) -> Eye {
-        let middle = middle();
+    fn eye(self, middle: DVec2, extent: Extent, side: u32) -> Eye {
         let angle = extent.angle();
         let height_m = HEIGHT_SHARE * angle * RADIUS_M;
         // How far the horizon is.
@@ -67,10 +93,6 @@ impl Vantage {
         };
         Eye::new(middle, away, height_m, side)
     }
-}
-
-fn middle() -> DVec2 {
-    DVec2::from(MIDDLE_DEG.map(f64::to_radians))
 }
 
 /// How data is divided.
@@ -116,6 +138,7 @@ pub(crate) enum Part {
 pub(crate) struct Work {
     pub(crate) part: Part,
     pub(crate) extent: Extent,
+    pub(crate) place: Place,
     pub(crate) from: Vantage,
     pub(crate) projection: Projection,
     pub(crate) division: Division,
@@ -144,6 +167,7 @@ impl Work {
             (PART, part),
             (PATH, path),
             (EXTENT, self.extent.name()),
+            (PLACE, self.place.name()),
             (VIEW, self.from.name()),
             (PROJECTION, self.projection.name()),
             (DEPTH, depth),
@@ -164,6 +188,7 @@ impl Work {
         };
         let usual = Self {
             extent: self.extent,
+            place: self.place,
             from: self.from,
             ..USUAL
         };
@@ -180,17 +205,19 @@ impl Work {
     }
 
     pub(crate) fn data(&self) -> Data {
-        let angle = self.extent.angle();
+        let (middle, angle) = (self.place.middle(self.extent), self.extent.angle());
         match self.part {
-            Part::Decal => Data::square(middle(), angle),
-            Part::Line { is_great_circle } => Data::line(middle(), angle, is_great_circle),
+            Part::Decal => Data::square(middle, angle),
+            Part::Line { is_great_circle } => Data::line(middle, angle, is_great_circle),
         }
     }
 
     pub(crate) fn eye(&self, side: u32) -> Eye {
         Eye {
             projection: self.projection,
-            ..self.from.eye(self.extent, side)
+            ..self
+                .from
+                .eye(self.place.middle(self.extent), self.extent, side)
         }
     }
 
@@ -227,6 +254,7 @@ impl Work {
 const USUAL: Work = Work {
     part: Part::Decal,
     extent: Extent::Country,
+    place: Place::Campus,
     from: Vantage::Nadir,
     projection: Projection::Globe,
     division: Division::Fixed(10),
@@ -336,6 +364,7 @@ pub(crate) fn groups(is_quick: bool) -> Vec<Vec<Work>> {
         ..USUAL
     };
     groups.push(divisions(line).into());
+    groups.extend(elsewhere());
     for works in &mut groups {
         works.extend(on_vulkan(works));
     }
@@ -345,10 +374,49 @@ pub(crate) fn groups(is_quick: bool) -> Vec<Vec<Work>> {
     groups
 }
 
+/// Where longitude and latitude are no plain coordinates.
+fn elsewhere() -> Vec<Vec<Work>> {
+    let mut groups = Vec::new();
+    for place in [Place::Pole, Place::DateLine] {
+        for from in [Vantage::Nadir, Vantage::Oblique] {
+            let decal = Work {
+                place,
+                from,
+                ..USUAL
+            };
+            let centre = Work {
+                origin: Origin::Centre,
+                ..decal
+            };
+            groups.push([&divisions(decal)[..], &[centre]].concat());
+        }
+        let line = Work {
+            part: Part::Line {
+                is_great_circle: true,
+            },
+            place,
+            from: Vantage::Oblique,
+            ..USUAL
+        };
+        groups.push(divisions(line).into());
+    }
+    let map = Work {
+        extent: Extent::Continent,
+        place: Place::DateLine,
+        projection: Projection::Hyperbolic,
+        ..USUAL
+    };
+    groups.push(divisions(map).into());
+    groups
+}
+
 impl Work {
     /// One view of each question.
     fn is_quick(&self) -> bool {
         let is_line = self.part != Part::Decal;
+        if self.place != Place::Campus {
+            return false;
+        }
         match (self.extent, self.from) {
             (Extent::Campus, Vantage::Close) => true,
             (Extent::Continent, Vantage::Oblique) => {
@@ -379,6 +447,7 @@ mod tests {
     use super::*;
     use crate::place::direction;
     use std::collections::BTreeSet;
+    use std::f64::consts::PI;
 
     #[test]
     fn every_case_has_a_name_of_its_own() {
@@ -404,7 +473,7 @@ mod tests {
             let most = if is_map { 128.0 } else { 1e-6 };
             assert!(off < most, "{}: {at}", works[0].name());
             // Negative control: data on the other side of the body.
-            let other = data.corner + DVec2::X * std::f64::consts::PI;
+            let other = DVec2::new(data.corner.x + PI, -0.5 * data.corner.y);
             let at = eye.pixel(eye.clip(direction(other) * RADIUS_M, other));
             let off = (at - DVec2::splat(128.0)).abs().max_element();
             let is_before = eye.horizon().dot((direction(other) * RADIUS_M).extend(1.0)) >= 0.0;

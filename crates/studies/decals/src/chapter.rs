@@ -40,7 +40,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     text: "Gebbie and Bailey lay pictures of data over a globe as decals: a quad at the limits of longitude and \
            latitude, divided into cells since projections bend it, about its own lower left corner since f32 is too \
            coarse from the body's centre. The vertex stage projects; a fragment is one look-up. Lines are divided \
-           likewise. The body is a sphere, all data lies about the paper's campus. Texels say their own address, so that \
+           likewise. The body is a sphere, data lies about the paper's campus unless a section says so. Texels say their own address, so that \
            each pixel of a device says which place of the data it shows. In f64 every picture is held against its \
            triangles as drawn, which must agree outside of the band of 1/32 pixel, and against the exact projection: a \
            pixel's ray meets the body, and the place there has an address. Depth is not tested, as in the paper, unless a \
@@ -49,13 +49,19 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     terms: TERMS,
     primary: TIME,
     answers,
-    sections: &[DIVIDED, ORIGINS, ORDERS, MAPS, LINES, TESTED],
+    sections: &[DIVIDED, ORIGINS, ORDERS, MAPS, LINES, PLACES, TESTED],
     claims: Some(&CLAIMS),
 };
 
+/// Whether data is about the paper's campus.
+fn is_usual(case: &Case) -> bool {
+    case.condition(PLACE).is_empty()
+}
+
 /// Sections on the globe without its depth, of vertices about the corner by the full series.
 fn is_plain(case: &Case, part: &str) -> bool {
-    case.condition(PART) == part
+    is_usual(case)
+        && case.condition(PART) == part
         && case.condition(DEPTH).is_empty()
         && case.condition(ORIGIN) == "corner"
         && case.condition(SERIES) == "14"
@@ -181,7 +187,8 @@ const ORIGINS: Section<'static> = Section {
            with places from the body's centre, in f32 throughout. A compute shader places the vertices of both by the same \
            functions, and they are read back; the centre's pictures are held against the triangles that it has.",
     cases: Select::Fitting(|case| {
-        case.condition(PART) == "decal"
+        is_usual(case)
+            && case.condition(PART) == "decal"
             && case.condition(DEPTH).is_empty()
             && case.condition(SERIES) == "14"
             && case.condition(DIVISION) == "10"
@@ -265,7 +272,7 @@ const MAPS: Section<'static> = Section {
            formula takes second derivatives of the map itself. Counted elsewhere, a decal is divided as its counts find it \
            obliquely, and drawn from above.",
     cases: Select::Fitting(|case| {
-        case.condition(PART) == "decal" && case.condition(PROJECTION) != "globe"
+        is_usual(case) && case.condition(PART) == "decal" && case.condition(PROJECTION) != "globe"
     }),
     named_by: Names::Columns(&[
         ("projection", PROJECTION),
@@ -386,6 +393,49 @@ const LINES: Section<'static> = Section {
     ..Section::EMPTY
 };
 
+const PLACES: Section<'static> = Section {
+    title: "At a pole and across ±180°",
+    text: "A country’s decal whose upper edge is the north pole: a point, at which its cells end in triangles of no area, and \
+           its sides are as many degrees of longitude apart as the same width takes there. And decals and lines across \
+           ±180°, where longitude jumps. Rays find longitudes between −180° and 180°, whatever the data’s own are.",
+    cases: Select::Fitting(|case| !is_usual(case)),
+    named_by: Names::Columns(&[
+        ("place", PLACE),
+        ("data", PART),
+        ("projection", PROJECTION),
+        ("view", VIEW),
+        ("origin", ORIGIN),
+        ("division", DIVISION),
+        ("interface", API),
+    ]),
+    columns: &[
+        Column::metric("cells", DECAL_CELLS),
+        Column::of("draw, {unit}", TIME),
+        Column::metric("px off, largest", DECAL_PX_MAX),
+        Column::metric("of the side", DECAL_MAX_MIL),
+        Column::metric("99 %", DECAL_PX_P99),
+        Column::metric("extra px", DECAL_EXTRA_PX),
+        Column::metric("missing px", DECAL_MISSING_PX),
+        Column::metric("px in the band", DECAL_BAND_PX),
+        Column::metric("vertices off, px", DECAL_VERTEX_PX),
+    ],
+    findings: &[formula_is_fine, ten_are_enough_elsewhere],
+    pictures: &[("picture", "")],
+    ..Section::EMPTY
+};
+
+fn ten_are_enough_elsewhere(cases: &Cases<'_>) -> Finding {
+    let own = cases.with(&[(PART, "decal"), (PROJECTION, "globe"), (ORIGIN, "corner")]);
+    let most = own.with(&[(DIVISION, "10")]).greatest(DECAL_MAX_MIL);
+    finding(
+        "10 × 10 cells work for a country at a pole and across ±180° too",
+        most.map(|most| most <= SEEN_MIL),
+        most.map_or_else(String::new, |most| {
+            format!("{} ‰ of the picture's side at most.", significant(most))
+        }),
+    )
+}
+
 const TESTED: Section<'static> = Section {
     title: "What the body's depth hides",
     text: "The same over the body itself, which the same pass draws before it, and behind its depth, which fragments compute by \
@@ -477,9 +527,9 @@ fn answers(cases: &Cases<'_>) -> Answers {
                 &miscounted,
                 "pixels",
             ),
-            formula_is_fine(
-                &cases.fitting(|case| is_plain(case, "decal") || is_plain(case, "line")),
-            ),
+            formula_is_fine(&cases.fitting(|case| {
+                is_plain(case, "decal") || is_plain(case, "line") || !is_usual(case)
+            })),
         ],
         ..Answers::default()
     }

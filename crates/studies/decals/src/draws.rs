@@ -6,6 +6,7 @@ use crate::judge::number;
 use crate::place::{Data, Shape};
 use glam::DVec2;
 use std::ops::Range;
+use std::sync::LazyLock;
 use terrafill_contract::{CpuStopwatch, DeviceError, Picture};
 use terrafill_study::Figures;
 
@@ -61,10 +62,10 @@ pub(crate) fn sent_bytes(divided: &Divided) -> usize {
     vertices * VERTEX_BYTES
 }
 
-/// Texels that say their own address, row by row from the decal's corner.
-pub(crate) fn addresses() -> Vec<f32> {
+/// Texels that say their own address, row by row from the decal's corner: the same for all data.
+pub(crate) static ADDRESSES: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let decal = Data::square(DVec2::ZERO, 1.0).shape;
     let all = (0..TEXELS).flat_map(|y| (0..TEXELS).map(move |x| [x, y]));
     // Whole numbers up to 2²⁰.
     all.map(|texel| number(decal, texel) as f32).collect()
-}
+});

@@ -471,6 +471,7 @@ fn within_px(at: DVec2, most: f64, has: impl Fn(DVec2) -> bool) -> f64 {
 mod tests {
     use super::*;
     use crate::cases::{Division, Extent, Part, Vantage, groups};
+    use crate::place::Path;
 
     const SIDE: u32 = 128;
 
@@ -523,6 +524,32 @@ mod tests {
             let (_, errors) = shown(&found(part, Division::Fixed(1)), 0);
             assert!(errors.spread().expect("shown")[0] > 2.0, "{part:?}");
         }
+    }
+
+    /// A formula that is merely generous would keep its bound with fewer.
+    #[test]
+    fn half_of_the_cells_that_the_formula_says_are_too_few() {
+        let mut tried = 0;
+        for work in groups(false).concat() {
+            let is_own = work.division == Division::Formula && !work.is_tested;
+            let fine = work.divided(SIDE, None);
+            // A great circle through the place below the eye is straight.
+            let is_straight = matches!(fine.data.shape, Shape::Line(Path::GreatCircle { .. }))
+                && work.from == Vantage::Nadir;
+            // One or two cells are what a number of them cannot be below.
+            if !is_own || is_straight || fine.cells < 3 {
+                continue;
+            }
+            let most = |cells| {
+                let (_, errors) = shown(&Divided { cells, ..fine }, 0);
+                errors.spread().expect("shown")[0]
+            };
+            let name = work.name();
+            assert!(most(fine.cells) <= FINE_PX, "{name}");
+            assert!(most(fine.cells / 2) > FINE_PX, "{name}");
+            tried += 1;
+        }
+        assert!(tried > 30, "{tried}");
     }
 
     #[test]

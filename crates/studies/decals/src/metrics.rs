@@ -10,6 +10,7 @@ terrafill_results::conditions! {
     EXTENT = "extent", "how large the data is";
     ORIGIN = "origin", "what vertices are about: the data's corner, or the body's centre";
     PATH = "path", "how a line runs";
+    PLACE = "place", "where on the globe the data lies: about the paper's campus, unless said";
     PROJECTION = "projection", "how the body is put on the picture";
     SERIES = "series", "order of the series that stand for sine and cosine";
     "data" = "what lies on the globe: a decal, or a line";
@@ -20,6 +21,8 @@ terrafill_results::conditions! {
     "city" = "0.5° of latitude";
     "country" = "8° of latitude";
     "continent" = "40° of latitude";
+    "pole" = "its upper edge is the north pole";
+    "date-line" = "across ±180° of longitude";
     "nadir" = "from straight above its middle";
     "oblique" = "from the south, at an angle";
     "limb" = "so far from the south that it ends beyond the horizon, or near it";

@@ -2,7 +2,7 @@
 //! Data drawn on Vulkan itself, whose queries say how many samples they counted.
 
 use crate::divided::{DecalConstants, Divided, TEXELS};
-use crate::draws::{Draws, addresses, ranges, shader};
+use crate::draws::{ADDRESSES, Draws, ranges, shader};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture};
@@ -34,7 +34,7 @@ impl OnVulkan {
             is_filtered: false,
             size: [TEXELS; 2],
             is_cube: false,
-            bytes: bytemuck::cast_slice(&addresses()).to_vec(),
+            bytes: bytemuck::cast_slice(&ADDRESSES).to_vec(),
         };
         let texels = Arc::new(SampledImage::route(gpu, &texels)?);
         let resources = vec![

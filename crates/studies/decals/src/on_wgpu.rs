@@ -2,7 +2,7 @@
 //! Data drawn on wgpu.
 
 use crate::divided::{DecalConstants, Divided, TEXELS};
-use crate::draws::{Draws, addresses, ranges, shader};
+use crate::draws::{ADDRESSES, Draws, ranges, shader};
 use glam::DVec4;
 use std::ops::Range;
 use std::sync::Arc;
@@ -125,8 +125,7 @@ fn addressed(gpu: &Gpu) -> wgpu::Texture {
         bytes_per_row: Some(4 * TEXELS),
         rows_per_image: None,
     };
-    let texels = addresses();
-    let bytes = bytemuck::cast_slice(&texels);
+    let bytes = bytemuck::cast_slice(&ADDRESSES);
     gpu.queue
         .write_texture(texture.as_image_copy(), bytes, layout, texture.size());
     texture

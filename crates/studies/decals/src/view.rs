@@ -6,6 +6,7 @@
 use crate::place::{RADIUS_M, angles, axes, direction};
 use glam::{DVec2, DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, PI};
+use terrafill_maps::{HALF_RIM, dome, hyperbolic_polar};
 use terrafill_shapes::grid::GridCamera;
 
 terrafill_results::named! {
@@ -19,7 +20,7 @@ terrafill_results::named! {
 }
 
 /// How far from the focus half of a hyperbolic map's rim is reached, radii.
-pub(crate) const REACH: f64 = 0.5;
+pub(crate) const REACH: f64 = HALF_RIM;
 /// Half the field of view: 30°.
 const TAN_HALF: f64 = 0.577_350_269_189_625_8;
 /// Near plane over the eye's height.
@@ -88,11 +89,8 @@ impl Eye {
                 return DVec4::new(aside.x / TAN_HALF, aside.y / TAN_HALF, self.near_m(), ahead);
             }
             Projection::Flat => about / FRAC_PI_2,
-            Projection::Hyperbolic => about / (about.length() + REACH),
-            Projection::Dome => {
-                let across = aside.length();
-                aside * (across.atan2(ahead) / FRAC_PI_2 / across.max(f64::MIN_POSITIVE))
-            }
+            Projection::Hyperbolic => hyperbolic_polar(about.to_array(), REACH).into(),
+            Projection::Dome => dome(aside.extend(-ahead)).into(),
         };
         DVec4::new(shown.x, shown.y, 0.5, 1.0)
     }

@@ -8,6 +8,8 @@
 use crate::list::Eye;
 use glam::{DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use terrafill_maps::HALF_RIM;
+pub(crate) use terrafill_maps::{dome, hyperbolic_cartesian, hyperbolic_polar};
 
 terrafill_results::named! {
     /// A projection.
@@ -21,7 +23,7 @@ terrafill_results::named! {
 }
 
 /// How far from the focus half of the rim is reached, radii.
-pub(crate) const K: f64 = 0.5;
+pub(crate) const K: f64 = HALF_RIM;
 
 impl Projection {
     /// Another one, which a picture must not be taken for.
@@ -60,66 +62,11 @@ impl Projection {
     }
 }
 
-/// `(x, y) / (ρ + K)`: radius `r' = ρ / (ρ + K)`, the angle stays.
-pub(crate) fn hyperbolic_polar([x, y]: [f64; 2], k: f64) -> [f64; 2] {
-    let from = x.hypot(y) + k;
-    // At the middle of a map with K = 0 all directions are one.
-    if from > 0.0 {
-        [x / from, y / from]
-    } else {
-        [0.0; 2]
-    }
-}
-
-/// `x / √(x² + K²)`, each axis by itself.
-pub(crate) fn hyperbolic_cartesian(x: f64, k: f64) -> f64 {
-    let from = x.hypot(k);
-    if from > 0.0 { x / from } else { 0.0 }
-}
-
-/// Share of a quarter turn from straight ahead, in the direction where it is seen; the view looks along −z.
-pub(crate) fn dome(view: DVec3) -> [f64; 2] {
-    let across = view.x.hypot(view.y);
-    let share = across.atan2(-view.z) / FRAC_PI_2;
-    if across > 0.0 {
-        [view.x, view.y].map(|at| share * at / across)
-    } else {
-        [0.0; 2]
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f64::consts::PI;
     use terrafill_core::Geodetic;
-
-    #[test]
-    fn maps_go_to_their_rim_and_back() {
-        for at in [0.1, 1.0, 3.0] {
-            let [x, y] = hyperbolic_polar([0.6 * at, 0.8 * at], K);
-            let radius = x.hypot(y);
-            assert!((K * radius / (1.0 - radius) - at).abs() < 1e-12);
-            assert!((y / x - 0.8 / 0.6).abs() < 1e-12);
-            let x = hyperbolic_cartesian(at, K);
-            assert!((K * x / (1.0 - x * x).sqrt() - at).abs() < 1e-12);
-        }
-        // K = 0 sends all to the rim, K = ∞ to the middle.
-        assert_eq!(hyperbolic_polar([3.0, 4.0], 0.0), [0.6, 0.8]);
-        assert_eq!(hyperbolic_polar([3.0, 4.0], f64::INFINITY), [0.0; 2]);
-        assert_eq!(hyperbolic_cartesian(-2.0, 0.0), -1.0);
-        assert_eq!(hyperbolic_cartesian(-2.0, f64::INFINITY), 0.0);
-        for at in [
-            hyperbolic_polar([0.0; 2], 0.0),
-            dome(DVec3::ZERO),
-            dome(DVec3::NEG_Z),
-        ] {
-            assert_eq!(at, [0.0; 2]);
-        }
-        assert!((dome(DVec3::X)[0] - 1.0).abs() < 1e-12);
-        assert!((dome(DVec3::new(1.0, 0.0, -1.0))[0] - 0.5).abs() < 1e-12);
-        assert!(hyperbolic_cartesian(0.0, 0.0).abs() < 1e-12);
-    }
 
     #[test]
     fn every_place_of_every_projection_is_finite() {

@@ -175,7 +175,6 @@ struct ByHistogram {
     view: wgpu::Buffer,
     bound_view: wgpu::BindGroup,
     histogram: Histogram,
-    pictures: wgpu::Texture,
 }
 
 impl ByHistogram {
