@@ -119,6 +119,9 @@ impl<'a> Reference<'a> {
     pub(crate) fn counts(&self) -> [u64; 2] {
         let places: Vec<DVec2> = centres(self.divided.eye.size()).collect();
         let one = |at: &DVec2| {
+            if self.hit(*at).is_some_and(|hit| self.is_all_of(&hit, *at)) {
+                return [1; 2];
+            }
             let hits = || around(BAND_PX).map(|off| self.hit(*at + off));
             let is_sure = hits().all(|hit| hit.is_some_and(|hit| !hit.is_unsure));
             [
@@ -128,6 +131,14 @@ impl<'a> Reference<'a> {
         };
         let all = places.par_iter().map(one);
         all.reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+
+    /// Whether a triangle has all of the band about a place, where nothing hides it.
+    fn is_all_of(&self, hit: &Hit, at: DVec2) -> bool {
+        let facet = &self.facets[hit.facet as usize];
+        let is_before = facet.corners.iter().all(|of| of.before >= HORIZON_SLACK);
+        let has = |off| (facet.inverse * self.place(at + off)).min_element() >= 0.0;
+        !self.has_body && is_before && around(BAND_PX).all(has)
     }
 
     /// Triangles that may be at a place.
@@ -328,12 +339,18 @@ impl Errors {
     /// Of a decal: a pixel's ray meets the body, and the place there has an address.
     ///
     /// - `drawn`: [`Reference::picture`], which says where in its texel a pixel is
-    pub(crate) fn of_decal(divided: &Divided, numbers: &[u32], drawn: &[Option<DVec2>]) -> Self {
+    /// - `exact`: as of [`exact`]
+    pub(crate) fn of_decal(
+        divided: &Divided,
+        numbers: &[u32],
+        drawn: &[Option<DVec2>],
+        exact: &[Option<DVec2>],
+    ) -> Self {
         let Divided { data, eye, .. } = divided;
         let places: Vec<DVec2> = centres(eye.size()).collect();
         let inside = |share: DVec2| share.min_element() >= 0.0 && share.max_element() <= 1.0;
-        let one = |((at_px, shown), drawn): ((&DVec2, &u32), &Option<DVec2>)| {
-            let truth = eye.shown(*at_px).and_then(|at| data.share_of(at));
+        type Pixel<'a> = ((&'a DVec2, &'a u32), (&'a Option<DVec2>, &'a Option<DVec2>));
+        let one = |((at_px, shown), (drawn, truth)): Pixel<'_>| {
             let is_there = truth.is_some_and(inside);
             let Some([x, y]) = texels(data.shape, *shown) else {
                 let has = |at: DVec2| {
@@ -353,7 +370,13 @@ impl Errors {
             let belongs = eye.pixel(eye.clip(place, data.angles(within)));
             (Some(belongs.distance(*at_px)), [u64::from(!is_there), 0])
         };
-        let all: Vec<_> = places.par_iter().zip(numbers).zip(drawn).map(one).collect();
+        let truths = drawn.par_iter().zip(exact);
+        let all: Vec<_> = places
+            .par_iter()
+            .zip(numbers)
+            .zip(truths)
+            .map(one)
+            .collect();
         let mut errors = Self::default();
         for (off, [extra, missing]) in all {
             errors.off_px.extend(off);
@@ -453,6 +476,15 @@ impl Errors {
     }
 }
 
+/// What the centre of each pixel shows by the exact projection, row by row: shares of both sides of a decal, within or
+/// beyond them.
+pub(crate) fn exact(divided: &Divided) -> Vec<Option<DVec2>> {
+    let Divided { data, eye, .. } = divided;
+    let places: Vec<DVec2> = centres(eye.size()).collect();
+    let truth = |at_px: &DVec2| eye.shown(*at_px).and_then(|at| data.share_of(at));
+    places.par_iter().map(truth).collect()
+}
+
 /// How far within data a place is, pixels: the largest of growing rings all of which has data, up to so much.
 fn within_px(at: DVec2, most: f64, has: impl Fn(DVec2) -> bool) -> f64 {
     const RING: u32 = 16;
@@ -499,7 +531,7 @@ mod tests {
 
     fn of(divided: &Divided, numbers: &[u32], drawn: &[Option<DVec2>]) -> Errors {
         match divided.data.shape {
-            Shape::Decal(_) => Errors::of_decal(divided, numbers, drawn),
+            Shape::Decal(_) => Errors::of_decal(divided, numbers, drawn, &exact(divided)),
             Shape::Line(_) => Errors::of_line(divided, numbers),
         }
     }

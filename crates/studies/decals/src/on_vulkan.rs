@@ -24,22 +24,31 @@ pub(crate) struct OnVulkan {
     ranges: Vec<Range<u32>>,
 }
 
+/// Texels that say their own address.
+pub(crate) fn addressed(gpu: &Arc<Gpu>) -> Result<Arc<SampledImage>, DeviceError> {
+    let texels = RouteTexels {
+        format: RouteTexelFormat::R32Float,
+        is_filtered: false,
+        size: [TEXELS; 2],
+        is_cube: false,
+        bytes: bytemuck::cast_slice(&ADDRESSES).to_vec(),
+    };
+    Ok(Arc::new(SampledImage::route(gpu, &texels)?))
+}
+
 impl OnVulkan {
-    pub(crate) fn new(gpu: &Arc<Gpu>, divided: &Divided) -> Result<Self, DeviceError> {
+    /// - `addressed`: as of [`addressed`]
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        divided: &Divided,
+        addressed: Arc<SampledImage>,
+    ) -> Result<Self, DeviceError> {
         let bytes = size_of::<DecalConstants>() as u64;
         let constants = Buffer::streamed(gpu, "decal constants", bytes, BufferUse::Uniform)?;
         let constants = Arc::new(constants);
-        let texels = RouteTexels {
-            format: RouteTexelFormat::R32Float,
-            is_filtered: false,
-            size: [TEXELS; 2],
-            is_cube: false,
-            bytes: bytemuck::cast_slice(&ADDRESSES).to_vec(),
-        };
-        let texels = Arc::new(SampledImage::route(gpu, &texels)?);
         let resources = vec![
             Resource::Uniform(Arc::clone(&constants)),
-            Resource::Image(texels),
+            Resource::Image(addressed),
         ];
         let resources = Resources::new(gpu, resources)?;
         let shader = |entry_point| Shader::Wgsl {

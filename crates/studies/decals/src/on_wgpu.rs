@@ -30,12 +30,16 @@ fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
 }
 
 impl OnWgpu {
-    pub(crate) fn new(gpu: &Arc<Gpu>, divided: &Divided) -> Result<Self, DeviceError> {
+    /// - `addressed`: as of [`addressed`]
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        divided: &Divided,
+        addressed: &wgpu::Texture,
+    ) -> Result<Self, DeviceError> {
         let bytes = size_of::<DecalConstants>() as u64;
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let constants = gpu.unwritten("decal constants", bytes, usage);
-        let texture = addressed(gpu);
-        let texture = texture.create_view(&Default::default());
+        let texture = addressed.create_view(&Default::default());
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let picture = wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable: false },
@@ -116,7 +120,8 @@ impl Draws for OnWgpu {
     }
 }
 
-fn addressed(gpu: &Gpu) -> wgpu::Texture {
+/// Texels that say their own address.
+pub(crate) fn addressed(gpu: &Gpu) -> wgpu::Texture {
     let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
     let format = wgpu::TextureFormat::R32Float;
     let texture = gpu.texture("addresses", [TEXELS, TEXELS, 1], 1, format, usage);

@@ -6,10 +6,12 @@ use crate::cases::{Division, Part, Vantage, Work, groups};
 use crate::chapter::CHAPTER;
 use crate::divided::{Corner, DecalConstants, Divided, MAX_CELLS, Origin};
 use crate::draws::{Draws, sent_bytes, time};
-use crate::judge::{Errors, Reference, texels};
+use crate::interface::{Addressed, Interface};
+use crate::judge::{Errors, Reference, exact, texels};
 use crate::metrics::*;
 use crate::on_wgpu;
 use crate::pictures;
+use glam::DVec2;
 use std::collections::BTreeMap;
 use terrafill_contract::{CpuStopwatch, DeviceError, ids_of, numbers_hash};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
@@ -89,6 +91,9 @@ pub(crate) fn group(
                 group,
                 context,
                 opened: BTreeMap::new(),
+                addressed: Addressed::default(),
+                exact: Vec::new(),
+                drawn: Vec::new(),
             })))
         },
     }
@@ -157,6 +162,11 @@ struct DecalSession<'a> {
     context: Context<'a>,
     /// By case.
     opened: BTreeMap<usize, Box<dyn Draws>>,
+    addressed: Addressed,
+    /// Of the data and the view that all cases share, as of [`exact`].
+    exact: Vec<Option<DVec2>>,
+    /// What triangles show, as of [`Reference::picture`]: of cases on wgpu, which come before the same on Vulkan.
+    drawn: Vec<(Work, Vec<Option<DVec2>>)>,
 }
 
 impl DecalSession<'_> {
@@ -169,6 +179,23 @@ impl DecalSession<'_> {
     }
 }
 
+impl DecalSession<'_> {
+    fn drawn(&mut self, work: Work, reference: &Reference<'_>) -> Vec<Option<DVec2>> {
+        let is_same = |(own, _): &&(Work, _)| {
+            let interface = work.interface;
+            work.interface == Interface::Vulkan && Work { interface, ..*own } == work
+        };
+        if let Some((_, drawn)) = self.drawn.iter().find(is_same) {
+            return drawn.clone();
+        }
+        let drawn = reference.picture();
+        if work.interface == Interface::Wgpu {
+            self.drawn.push((work, drawn.clone()));
+        }
+        drawn
+    }
+}
+
 impl Shows for DecalSession<'_> {
     type Shown = Shown;
 
@@ -176,7 +203,9 @@ impl Shows for DecalSession<'_> {
         let work = self.group.work.works[case];
         let side = self.group.work.side;
         let mut divided = work.divided(side, None);
-        let mut draws = work.interface.open(self.context.devices, &divided)?;
+        let mut draws = work
+            .interface
+            .open(self.context.devices, &divided, &mut self.addressed)?;
         let (mut found, mut sent_bytes) = (None, sent_bytes(&divided));
         if work.division.is_counted() {
             let (own, bytes) = counted(draws.as_mut(), &work, side)?;
@@ -223,15 +252,18 @@ impl Shows for DecalSession<'_> {
             counted,
             sent_bytes,
         } = shown;
-        let work = &self.group.work.works[case];
+        let work = self.group.work.works[case];
         let reference = Reference::new(&divided, &corners);
-        let drawn = reference.picture();
+        let drawn = self.drawn(work, &reference);
         let found = reference.judge(&numbers, &drawn);
         let is_data = |number: &&u32| texels(divided.data.shape, **number).is_some();
         let shown = numbers.iter().filter(is_data).count();
         let is_decal = work.part == Part::Decal;
         let errors = if is_decal {
-            Errors::of_decal(&divided, &numbers, &drawn)
+            if self.exact.is_empty() {
+                self.exact = exact(&divided);
+            }
+            Errors::of_decal(&divided, &numbers, &drawn, &self.exact)
         } else {
             Errors::of_line(&divided, &numbers)
         };
@@ -284,7 +316,7 @@ impl Shows for DecalSession<'_> {
                 reason = format!("{} samples are counted, of {sure} to {most}", counted.px);
             }
         }
-        let notes = if self.is_pictured(work) || !reason.is_empty() {
+        let notes = if self.is_pictured(&work) || !reason.is_empty() {
             let name = &self.group.cases[case].id.name;
             pictures::write(self.context.folder, name, &divided, &numbers, &found.wrong)?
         } else {

@@ -5,7 +5,7 @@ use crate::DecalsStudy;
 use crate::cases::{Division, Extent, Part, Vantage, Work, groups};
 use crate::chapter::CHAPTER;
 use crate::divided::{Divided, FINE_PX, Origin, Series};
-use crate::interface::Interface;
+use crate::interface::{Addressed, Interface};
 use crate::judge::{Reference, number, texels};
 use crate::place::{Data, Shape};
 use crate::study::{by_counts, group};
@@ -81,7 +81,9 @@ fn every_case_is_as_its_triangles_say() {
 
 /// Pixels that are wrong where this is drawn and that is wanted.
 fn mismatched(devices: &Devices, drawn: &Divided, wanted: &Divided) -> usize {
-    let mut draws = Interface::Wgpu.open(devices, drawn).expect("opens");
+    let mut draws = Interface::Wgpu
+        .open(devices, drawn, &mut Addressed::default())
+        .expect("opens");
     draws.frame().expect("draws");
     let numbers = ids_of(&draws.read().expect("a picture"));
     let reference = Reference::new(wanted, &wanted.corners());
@@ -152,7 +154,9 @@ fn a_shifted_corner_a_wrong_level_swapped_axes_and_a_moved_line_are_noticed() {
         assert!(wrong > 10, "{what}: {wrong}");
     }
     // Swapped axes of the texture, and a single pixel of another texel.
-    let mut draws = Interface::Wgpu.open(&devices, &decal).expect("opens");
+    let mut draws = Interface::Wgpu
+        .open(&devices, &decal, &mut Addressed::default())
+        .expect("opens");
     draws.frame().expect("draws");
     let right = ids_of(&draws.read().expect("a picture"));
     let reference = Reference::new(&decal, &decal.corners());
