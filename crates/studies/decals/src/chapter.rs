@@ -9,7 +9,7 @@ use terrafill_lab::{
 };
 use terrafill_plot::Upwards;
 use terrafill_plot::number::significant;
-use terrafill_results::{Answers, Case, Finding, Scope};
+use terrafill_results::{Answers, Block, Case, Finding, Scope};
 
 /// Times.
 const TIME: Figure = Figure::ByClock(DECAL_GPU_MS, DECAL_CPU_MS);
@@ -501,7 +501,46 @@ fn one_is_hidden(cases: &Cases<'_>) -> Finding {
     )
 }
 
+/// Rules of division, as an answer names them.
+const RULES: [(&str, &str); 4] = [
+    ("1", "One cell"),
+    ("10", "10 × 10"),
+    ("formula", "by the formula"),
+    ("query", "by counted pixels"),
+];
+
+/// Which error is left by each rule, and with how many cells.
+///
+/// - `cases`: of one extent
+fn answer(extent: &str, cases: &Cases<'_>) -> Option<String> {
+    let rules = RULES.iter().filter_map(|(division, rule)| {
+        let own = cases.with(&[(DIVISION, division)]);
+        let [px, cells] = [DECAL_PX_MAX, DECAL_CELLS].map(|metric| own.greatest(metric));
+        let cells = cells.filter(|_| ["formula", "query"].contains(division));
+        let cells = cells.map_or_else(String::new, |cells| {
+            format!(", at most {cells} cells a side")
+        });
+        Some(format!("{rule}{cells}: {} px", significant(px?)))
+    });
+    let rules: Vec<String> = rules.collect();
+    let first = cases.iter().next()?;
+    (!rules.is_empty()).then(|| {
+        format!(
+            "A decal of a {extent} is off by at most, in {} views of {} px. {}.",
+            cases.by(VIEW).len(),
+            first.condition(SIZE_PX),
+            rules.join("; ")
+        )
+    })
+}
+
 fn answers(cases: &Cases<'_>) -> Answers {
+    let decals = cases.fitting(|case| is_plain(case, "decal"));
+    let decals = decals.with(&[(PROJECTION, "globe")]).by(EXTENT);
+    let sentences = decals
+        .iter()
+        .filter_map(|(extent, own)| answer(extent, own));
+    let sentences: Vec<String> = sentences.collect();
     let wrong: Vec<f64> = cases.values(DECAL_MISMATCHED_PX);
     let miscounted = cases.fitting(|case| case.condition(PART) == "decal");
     let miscounted = miscounted.fitting(|case| case.condition(VIEW) != "limb");
@@ -531,111 +570,10 @@ fn answers(cases: &Cases<'_>) -> Answers {
                 is_plain(case, "decal") || is_plain(case, "line") || !is_usual(case)
             })),
         ],
+        blocks: Vec::from_iter((!sentences.is_empty()).then_some(Block::List(sentences))),
         ..Answers::default()
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::DecalsStudy;
-    use terrafill_fixtures::studies::{misquoted_if, untested_without};
-    use terrafill_results::made_up::{MadeUpRun, case_id};
-    use terrafill_results::{CaseId, Standing};
-
-    #[test]
-    fn every_claim_is_tested_by_cases_that_are_planned() {
-        // Negative control: a plan without lines.
-        let is_line = |case: &CaseId| case.condition("part") == "line";
-        let untested = untested_without(&DecalsStudy, &CLAIMS, is_line);
-        assert_eq!(untested.len(), 2, "{untested:?}");
-    }
-
-    #[test]
-    #[ignore = "needs data: papers"]
-    fn quotations_are_words_of_the_paper() {
-        let wrong = misquoted_if(&CLAIMS, "cut through the Earth", "cut the Earth");
-        assert_eq!(wrong.len(), 1, "{wrong:?}");
-    }
-
-    #[test]
-    fn errors_above_their_bounds_are_said() {
-        let standings = |px: f64, hidden: f64| {
-            let mut run = MadeUpRun::default();
-            for division in ["1", "10", "formula", "query"] {
-                for (part, depth, extent) in [
-                    ("decal", "", "country"),
-                    ("decal", "", "continent"),
-                    ("decal", "tested", "continent"),
-                    ("line", "tested", "continent"),
-                ] {
-                    let name = format!("{part}{division}{depth}{extent}");
-                    let conditions = [
-                        ("part", part),
-                        ("extent", extent),
-                        ("view", "nadir"),
-                        ("division", division),
-                        ("depth", depth),
-                        ("origin", "corner"),
-                        ("series", "14"),
-                        ("projection", "globe"),
-                    ];
-                    let case = run.case(case_id(crate::STUDY, &name, &conditions));
-                    case.figure(DECAL_PX_MAX.name, px);
-                    case.figure(DECAL_MAX_MIL.name, px);
-                    case.figure(DECAL_MISMATCHED_PX.name, px.floor());
-                    case.figure(DECAL_HIDDEN_SHARE.name, hidden);
-                }
-            }
-            let run = run.loaded();
-            let cases = Cases::of_study(&run, crate::STUDY);
-            let of = |findings: Vec<Finding>| findings.into_iter().map(|of| of.standing);
-            let all = of(DIVIDED.found(&cases)).chain(of(TESTED.found(&cases)));
-            let mut all: Vec<Standing> = all.collect();
-            all.push(answers(&cases).requirements[0].standing);
-            all
-        };
-        use Standing::{DoesNotHold, Holds};
-        assert_eq!(
-            standings(0.1, 0.0),
-            [Holds, Holds, DoesNotHold, Holds, Holds, DoesNotHold, Holds]
-        );
-        // Negative control.
-        let others = [
-            DoesNotHold,
-            DoesNotHold,
-            Holds,
-            DoesNotHold,
-            DoesNotHold,
-            Holds,
-            DoesNotHold,
-        ];
-        assert_eq!(standings(1.5, 0.95), others);
-    }
-
-    #[test]
-    fn what_some_map_shows_is_refuted_by_all_of_them_alone() {
-        let standing = |maps: &[(&str, &str)], px: f64| {
-            let mut run = MadeUpRun {
-                metrics: METRICS.to_vec(),
-                ..MadeUpRun::default()
-            };
-            for (projection, view) in maps {
-                let conditions = [
-                    ("part", "decal"),
-                    ("projection", projection),
-                    ("view", view),
-                    ("division", "query"),
-                ];
-                let name = format!("{projection}/{view}");
-                let case = run.case(case_id(crate::STUDY, &name, &conditions));
-                case.figure(DECAL_PX_MAX, px);
-            }
-            counts_may_fail(&Cases::of_study(&run.loaded(), crate::STUDY)).standing
-        };
-        assert_eq!(standing(&MAP_VIEWS, 0.5), Standing::DoesNotHold);
-        assert_eq!(standing(&MAP_VIEWS[..1], 2.0), Standing::Holds);
-        // Negative control: one map less, as in a quick run.
-        assert_eq!(standing(&MAP_VIEWS[1..], 0.5), Standing::NotMeasured);
-    }
-}
+mod tests;
