@@ -37,15 +37,16 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     study: crate::STUDY,
     title: "Decals and lines on a globe",
     question: "How finely must data on a globe be divided, and which error is left?",
-    text: "Gebbie and Bailey lay pictures of data over a globe as decals: a quad at the limits of longitude and \
-           latitude, divided into cells since projections bend it, about its own lower left corner since f32 is too \
-           coarse from the body's centre. The vertex stage projects; a fragment is one look-up. Lines are divided \
-           likewise. The body is a sphere, data lies about the paper's campus unless a section says so. Texels say their own address, so that \
-           each pixel of a device says which place of the data it shows. In f64 every picture is held against its \
-           triangles as drawn, which must agree outside of the band of 1/32 pixel, and against the exact projection: a \
-           pixel's ray meets the body, and the place there has an address. Depth is not tested, as in the paper, unless a \
-           section says so; what lies beyond the horizon is left out. The paper names the rule of counted pixels, and no \
-           formula: ours bounds what linear interpolation is off by the second derivative over a cell's edges.",
+    text: "Gebbie and Bailey lay pictures of data over a globe as decals. A decal is a quad at the limits of longitude and \
+           latitude. It is divided into cells, since projections bend it, and its vertices are about its lower left corner, \
+           since f32 is too coarse from the body's centre. The vertex stage projects; a fragment is one look-up. Lines are \
+           divided likewise. The body is a sphere, and data lies about the paper's campus unless a section says so. Texels \
+           say their own address, so that each pixel of a device says which place of the data it shows. In f64 every \
+           picture is held against its triangles as drawn, which must agree outside of the band of 1/32 pixel. It is also \
+           held against the exact projection: a pixel's ray meets the body, and the place there has an address. Depth is \
+           not tested, as in the paper, unless a section says so; what lies beyond the horizon is left out. The paper names \
+           the rule of counted pixels, and no formula. Ours bounds the error of linear interpolation by the second \
+           derivative over a cell's edges.",
     terms: TERMS,
     primary: TIME,
     answers,
@@ -69,9 +70,10 @@ fn is_plain(case: &Case, part: &str) -> bool {
 
 const DIVIDED: Section<'static> = Section {
     title: "Decals by how finely they are divided",
-    text: "A fixed number of cells along a side, 1 and the paper's 10; as many as the formula says; or twice as many in each \
-           frame, until precise occlusion queries of Vulkan count no more pixels, which is the paper's own rule. 320 and 448 are \
-           32 × 32 decals side by side as vertices of one draw, of 10 × 10 cells each and of 14 × 14: twice as many vertices.",
+    text: "Cells along a side are a fixed number, 1 or the paper's 10; or as many as the formula says. By counted pixels they \
+           are twice as many in each frame, until precise occlusion queries of Vulkan count no more; that is the paper's own \
+           rule. 320 and 448 are 32 × 32 decals side by side as vertices of one draw, of 10 × 10 cells each and of 14 × 14: \
+           twice as many vertices.",
     cases: Select::Fitting(|case| is_plain(case, "decal") && case.condition(PROJECTION) == "globe"),
     named_by: Names::Columns(&[
         ("extent", EXTENT),
@@ -233,7 +235,8 @@ fn corner_is_finer(cases: &Cases<'_>) -> Finding {
 const ORDERS: Section<'static> = Section {
     title: "Low orders of sine and cosine",
     text: "About the corner angles are small, so that the paper takes first or second order. Here 10 × 10 cells have sines \
-           and cosines of first, second and fourteenth order. The order bends places, not edges: no division mends it.",
+           and cosines of first, second and fourteenth order. A low order puts the vertices themselves elsewhere: no \
+           division mends it.",
     cases: Select::Fitting(|case| {
         case.condition(PART) == "decal"
             && case.condition(DEPTH).is_empty()
@@ -395,9 +398,9 @@ const LINES: Section<'static> = Section {
 
 const PLACES: Section<'static> = Section {
     title: "At a pole and across ±180°",
-    text: "A country’s decal whose upper edge is the north pole: a point, at which its cells end in triangles of no area, and \
-           its sides are as many degrees of longitude apart as the same width takes there. And decals and lines across \
-           ±180°, where longitude jumps. Rays find longitudes between −180° and 180°, whatever the data’s own are.",
+    text: "The upper edge of a country’s decal is the north pole, a point: there its cells end in triangles of no area. Its \
+           sides are 115° of longitude apart, which is as wide in its middle as it is high. Other decals and lines cross \
+           ±180°, where longitude jumps: rays find longitudes from −180° to 180°, and the data goes on beyond.",
     cases: Select::Fitting(|case| !is_usual(case)),
     named_by: Names::Columns(&[
         ("place", PLACE),
@@ -440,9 +443,9 @@ const TESTED: Section<'static> = Section {
     title: "What the body's depth hides",
     text: "The same over the body itself, which the same pass draws before it, and behind its depth, which fragments compute by \
            rays. Data is lifted by a thousandth of \
-           the eye's height, whatever its division and the picture's size; the paper says no lift. What is hidden all the \
-           same cuts through the body. Of a line seen obliquely that half may be hidden which is nearer to the eye, since \
-           its width is one of the picture.",
+           the eye's height, whatever its division and the picture's size; the paper names no lift. What is hidden all the \
+           same cuts through the body. Of a line seen obliquely, the half nearer to the eye may be hidden: it is two pixels \
+           wide in the picture, and not on the ground.",
     cases: Select::With(DEPTH, "tested"),
     named_by: Names::Columns(&[
         ("data", PART),

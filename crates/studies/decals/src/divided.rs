@@ -92,16 +92,18 @@ fn px_per_metre(eye: &Eye, data: &Data) -> f64 {
     seen.fold(0.0, f64::max)
 }
 
-/// By how much data is lifted off the body where depth is tested, metres: no rule of division and no size of the picture
-/// has a part in it.
+/// By how much data is lifted off the body where depth is tested, metres: the same for every rule of division and every
+/// size of the picture.
 pub(crate) fn lift_m(eye: &Eye) -> f64 {
     LIFT_SHARE * eye.height_m
 }
 
-/// Fewest cells along a side with which nothing is off by more than a quarter of a pixel. Linear interpolation of a
-/// quadratic is off by half of the sum of λᵢ λⱼ Dᵢⱼ, where Dᵢⱼ is its second derivative over the edge between two corners:
-/// an eighth of D in the middle of an edge, a sixth in the middle of a triangle whose edges all bend alike. On the globe D
-/// is that of places on the body, as large as it is seen at most; in maps that of the map, in pixels.
+/// Fewest cells along a side with which nothing is off by more than a quarter of a pixel.
+///
+/// Linear interpolation of a quadratic is off by half of the sum of λᵢ λⱼ Dᵢⱼ. The weights λ are a place's in its
+/// triangle; Dᵢⱼ is the second derivative over the edge between two corners. That is an eighth of D in the middle of an
+/// edge, and a sixth in the middle of a triangle whose edges all bend alike. On the globe D is that of places on the body,
+/// times the pixels that a metre has at most. In maps it is that of the map, in pixels.
 pub(crate) fn cells_by_formula(eye: &Eye, data: &Data) -> u32 {
     let bend_px = match eye.projection {
         Projection::Globe => data.bend() * RADIUS_M * px_per_metre(eye, data),
@@ -125,7 +127,7 @@ pub(crate) fn cells_by_formula(eye: &Eye, data: &Data) -> u32 {
     cells
 }
 
-/// Eight times what interpolation of the map is off at a place, over cells that span all of the data; pixels.
+/// Eight times the error of interpolating the map at a place, over cells that span all of the data; pixels.
 fn map_bend_px(eye: &Eye, data: &Data, share: DVec2) -> f64 {
     const STEP: f64 = 1.0 / 256.0;
     let px = |share: DVec2| {
@@ -372,8 +374,8 @@ impl Divided {
         }
     }
 
-    /// How far the vertices of a decal are off their exact places, which nothing has rounded: the largest distance of those
-    /// that are seen, and what rounding may make of it; pixels. None where none is seen.
+    /// How far the vertices of a decal that are seen are off their exact places, which nothing has rounded: the largest
+    /// distance, and the most that rounding explains; pixels. None where no vertex is seen.
     ///
     /// - `clips`: as the device has them, three a triangle
     pub(crate) fn vertices_off(&self, clips: &[DVec4]) -> Option<[f64; 2]> {

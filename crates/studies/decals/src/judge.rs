@@ -248,7 +248,7 @@ impl<'a> Reference<'a> {
             let range = |low: f64, high: f64| texel(low - slack)..=texel(high + slack);
             range(low.x, high.x).contains(&x) && (is_line || range(low.y, high.y).contains(&y))
         };
-        // Only what one triangle has within the band: where two lie far apart in the data, nothing between them may show.
+        // Only what a single triangle has within the band: two that lie far apart in the data allow nothing between them.
         let away = |hit: Hit| rays::Hit {
             number: hit.facet,
             away_m: hit.depth.recip(),
@@ -328,7 +328,7 @@ pub(crate) fn texels(shape: Shape, number: u32) -> Option<[u32; 2]> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Errors {
     /// Of each pixel that shows data: from its centre to where what it shows belongs. Of each that shows none and should,
-    /// where depth hides nothing: how far within the exact decal it is, or beside the line that is shown. Pixels, sorted.
+    /// where no depth hides it: how far within the exact decal it is, or beside the shown line. Pixels, sorted.
     pub(crate) off_px: Vec<f64>,
     /// Pixels that show data where the exact projection has none, and the reverse.
     pub(crate) extra: u64,
@@ -364,7 +364,7 @@ impl Errors {
             };
             let low = DVec2::new(f64::from(x), f64::from(y)) / f64::from(TEXELS);
             let high = low + 1.0 / f64::from(TEXELS);
-            // Where the triangles have none, in the band along their border, nothing says where in its texel a pixel is.
+            // In the band along their border triangles may have none: then a pixel counts as in its texel's middle.
             let within = drawn.unwrap_or(0.5 * (low + high)).clamp(low, high);
             let place = data.direction(within) * RADIUS_M;
             let belongs = eye.pixel(eye.clip(place, data.angles(within)));
@@ -387,9 +387,9 @@ impl Errors {
         errors
     }
 
-    /// Of a line: from each shown pixel to the part that it shows, less half of the width; and from each pixel of the exact
-    /// ribbon that shows nothing to the nearest that does, less a neighbour's distance: ribbons gape at their bends. The
-    /// exact ribbon ends at the horizon, and straight at the line's ends.
+    /// Of a line. Of each pixel that shows a part: how far it is from there, less half of the width. Of each pixel of the
+    /// exact ribbon that shows nothing: how far the nearest is that does, less the distance of neighbours, since ribbons
+    /// gape at their bends. The exact ribbon ends at the horizon, and straight at the line's ends.
     pub(crate) fn of_line(divided: &Divided, numbers: &[u32]) -> Self {
         /// Sides of the exact line for each part that pictures tell apart.
         const SIDES: u32 = 4;
@@ -568,7 +568,7 @@ mod tests {
             // A great circle through the place below the eye is straight.
             let is_straight = matches!(fine.data.shape, Shape::Line(Path::GreatCircle { .. }))
                 && work.from == Vantage::Nadir;
-            // One or two cells are what a number of them cannot be below.
+            // Of fewer, half is none, or one that is enough by chance.
             if !is_own || is_straight || fine.cells < 3 {
                 continue;
             }

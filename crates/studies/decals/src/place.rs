@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where data lies on the sphere, in `f64`: patches by longitude and latitude, great circles, and places about a corner.
 //!
-//! The body is a sphere, as the paper's. Its formulas here are those of points from the centre, of which differences are
-//! taken; shaders have closed forms of the differences.
+//! The body is a sphere, as the paper's. Here places are found from the centre and then subtracted; shaders find the
+//! differences themselves.
 
 use glam::{DVec2, DVec3};
 
@@ -112,7 +112,7 @@ impl Data {
         }
     }
 
-    /// What a place is of both sides of a decal, within or beyond them.
+    /// Which shares of both sides a place has, within a decal or beyond it.
     ///
     /// - `at`: longitude and latitude
     pub(crate) fn share_of(&self, at: DVec2) -> Option<DVec2> {
@@ -126,8 +126,8 @@ impl Data {
         Some(from / size)
     }
 
-    /// Largest second derivative of places, radii, by shares of both sides or of the way, over an edge that spans all of
-    /// it: what linear interpolation is off is an eighth of it, over the square of the number of cells.
+    /// Largest second derivative of places by shares of both sides or of the way, over an edge that spans all of it;
+    /// radii. Linear interpolation is off by an eighth of it, over the square of the number of cells.
     pub(crate) fn bend(&self) -> f64 {
         match self.shape {
             Shape::Decal(size) => {

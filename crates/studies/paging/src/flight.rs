@@ -15,11 +15,11 @@ use terrafill_study::Failure;
 
 /// Pages that the device keeps.
 pub(crate) const SLOTS: usize = 256;
-/// Frames without a read after which an eye that rests has its pages: a tree splits once in [`DELAY`] frames.
+/// After so many frames without a read an eye that rests has its pages: a tree splits once in [`DELAY`] frames.
 const QUIET: usize = 3 * DELAY;
-/// After which a flight that still reads ends.
+/// A flight that still reads after so many frames ends.
 pub(crate) const MOST_FRAMES: usize = 500;
-/// How much farther than the picture's corner a page may be that distance asks for.
+/// A page that distance asks for may be so much farther from the picture's middle than the corner is.
 const MARGIN: f64 = 1.1;
 
 terrafill_results::named! {
@@ -111,7 +111,7 @@ impl Pilot {
         self.tree.leaves().map(Page::from)
     }
 
-    /// Takes over the counts of an old frame, and chooses what a frame wants.
+    /// Takes the counts of an old frame, and chooses what this one wants.
     fn decide(&mut self, frame: usize, eye: &Eye, counts: Option<&[u32]>) {
         let thresholds = Thresholds::new(f64::from(PAGE * PAGE), self.flight.hysteresis);
         match self.flight.rule {
@@ -155,7 +155,7 @@ fn by_urgency(pages: impl Iterator<Item = Page>, pixels: impl Fn(Page) -> f64) -
     wanted.into_iter().map(|(_, page)| page).collect()
 }
 
-/// Pixels of a page by the distance of its place next to the eye's foot; 0 where that place is not seen.
+/// Pixels of a page by the distance of its place that is nearest to the one below the eye; 0 where that is not seen.
 fn predicted(page: Page, eye: &Eye) -> f64 {
     let side = 1.0 / f64::from(1_u32 << page.level);
     let middle = [page.x, page.y].map(|at| (f64::from(at) + 0.5) * side);
@@ -181,8 +181,8 @@ fn predicted(page: Page, eye: &Eye) -> f64 {
     f64::from(PAGE * PAGE) * texel_m2 / (pixel_m * pixel_m)
 }
 
-/// Flies. The eye rests until it has its pages, of which there is no record, and moves on from there. After
-/// [`FRAMES`] frames the flight ends when nothing has been read for some.
+/// Flies. First the eye rests until it has its pages, without a record; then it moves. From frame [`FRAMES`] on the flight
+/// ends as soon as [`QUIET`] frames have read nothing.
 ///
 /// - `measures`: whether pixels without their page are counted, which no rule needs
 /// - `look_at`: called after each frame with its number, whether it is the last, and the page table as it was drawn with
@@ -328,7 +328,7 @@ mod tests {
         // Negative control: the other side, and a page far out of the picture.
         assert_eq!(predicted(Page::at(6, [foot[0] - 0.5, 0.7]), &eye), 0.0);
         assert_eq!(predicted(Page::at(6, [foot[0] + 0.1, foot[1]]), &eye), 0.0);
-        // All that the page is a part of is predicted to have more.
+        // Pages that it is a part of are predicted to have more pixels.
         let mut pages = std::iter::successors(Some(page), |page| page.parent());
         assert!(pages.all(|page| predicted(page, &eye) >= found));
         let order = by_urgency(page.children().into_iter(), |child| {

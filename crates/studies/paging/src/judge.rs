@@ -258,8 +258,8 @@ impl<'a> Reference<'a> {
         found.collect()
     }
 
-    /// Whether a place of a grid over the band about a pixel's middle has something that fits: one of a square of it,
-    /// which is cut in four unless nothing of it may fit.
+    /// Whether something fits at a place of a grid over the band about a pixel's middle. Looks at one square of the grid,
+    /// and cuts it in four unless nothing of it may fit.
     ///
     /// - `low`: the square's first corner, in [`FINE`] parts of the band from the middle
     /// - `size`: its side in the same
