@@ -10,7 +10,7 @@ terrafill_results::conditions! {
     EXTENT = "extent", "how large the data is";
     ORIGIN = "origin", "what vertices are about: the data's corner, or the body's centre";
     PATH = "path", "how a line runs";
-    PLACE = "place", "where on the globe the data lies: about the paper's campus, unless said";
+    PLACE = "location", "where on the globe the data lies: about the paper's campus, unless said";
     PROJECTION = "projection", "how the body is put on the picture";
     SERIES = "series", "order of the series that stand for sine and cosine";
     "data" = "what lies on the globe: a decal, or a line";

@@ -50,7 +50,7 @@ fn an_answer_has_the_largest_error_of_each_rule_and_its_cells() {
     let pole = [
         ("part", "decal"),
         ("extent", "city"),
-        ("place", "pole"),
+        ("location", "pole"),
         ("projection", "globe"),
         ("origin", "corner"),
         ("series", "14"),
