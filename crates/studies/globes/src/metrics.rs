@@ -34,6 +34,7 @@ terrafill_results::conditions! {
     STEP = "step", "what a rule changes a radius by in a frame: a share of the radius, or a gain over that from which its loop does not settle";
     SURFACE = "surface", "what draws the globe: a family and its knob";
     TILES = "tiles", "how tiles reach shaders: a draw each, an array of textures, or bindless";
+    TRANSFERS = "transfers", "tiles that a frame may send";
     TRIG = "trig", "where sines and cosines are taken";
     VALUE = "value", "of the knob";
     VERTICES = "vertices", "where vertices come from: sent by the CPU, made by compute, from their number, or from one static buffer";
