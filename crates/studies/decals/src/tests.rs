@@ -17,7 +17,7 @@ use terrafill_fixtures::studies::measured;
 use terrafill_results::{Block, Chapter as _, Standing, Status, Verdict};
 use terrafill_study::{Context, Depth, Failure, Group as _, Request};
 
-const SIDE: u32 = 160;
+const SIDE: u32 = 128;
 /// A folder in which all pictures are kept, to be looked at.
 const KEPT: &str = "TERRAFILL_KEEP_PICTURES";
 
