@@ -64,6 +64,17 @@ impl Canvas {
         layout: &wgpu::PipelineLayout,
         stages: &Stages<'_>,
     ) -> wgpu::RenderPipeline {
+        self.pipeline_of(Default::default(), label, layout, stages)
+    }
+
+    /// The same of whatever `topology` makes of vertices.
+    pub(crate) fn pipeline_of(
+        &self,
+        topology: wgpu::PrimitiveTopology,
+        label: &str,
+        layout: &wgpu::PipelineLayout,
+        stages: &Stages<'_>,
+    ) -> wgpu::RenderPipeline {
         let options = || wgpu::PipelineCompilationOptions {
             constants: stages.constants,
             ..Default::default()
@@ -79,7 +90,10 @@ impl Canvas {
                     compilation_options: options(),
                     buffers: stages.buffers,
                 },
-                primitive: Default::default(),
+                primitive: wgpu::PrimitiveState {
+                    topology,
+                    ..Default::default()
+                },
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH,
                     depth_write_enabled: Some(true),

@@ -5,7 +5,7 @@
 use crate::claims::{self, CLAIMS};
 use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::*;
-use crate::{controllers, counts, made, shading, tiled, zones};
+use crate::{controllers, counts, made, shading, tiled, wires, zones};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
@@ -75,6 +75,7 @@ impl Chapter for GlobesChapter {
             tiled::stage::SECTION,
             tiled::picture::SECTION,
             tiled::loading::SECTION,
+            wires::SECTION,
             made::SECTION,
             counts::SECTION,
             zones::SECTION,

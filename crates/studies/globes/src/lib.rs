@@ -28,6 +28,7 @@ mod shading;
 mod sight;
 mod study;
 mod tiled;
+mod wires;
 mod zones;
 
 pub use chapter::GlobesChapter;

@@ -149,6 +149,11 @@ terrafill_results::metrics! {
     );
     GLOBE_TRIANGLES = Metric::counter("globe_triangles", "Triangles of the view.");
     GLOBE_VERTICES = Metric::counter("globe_vertices", "Vertices of the view.");
+    GLOBE_WIRES = Metric::counter("globe_wires", "Edges of the triangles that face the eye, each once.");
+    GLOBE_WIRE_PX = pixels("globe_wire_px", "Pixels that the lines of edges light.");
+    GLOBE_WIRE_BEYOND_PX = pixels("globe_wire_beyond_px", "Pixels that lines light and that lie more than a pixel from each of them.");
+    GLOBE_WIRE_MISSING = Metric::counter("globe_wire_missing", "Lines of two pixels or more that light no pixel at their middle.");
+    GLOBE_WIRE_CONTROL_PX = pixels("globe_wire_control_px", "Lit pixels that lie off every line where the picture is moved by 5 and 3 pixels: a negative control.");
     GLOBE_COMPARED_PX = pixels("globe_compared_px", "Pixels whose ray meets both the body and the surface as drawn.");
     GLOBE_PX_MAX = Metric::error_px(
         "globe_px_max",

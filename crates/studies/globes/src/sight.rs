@@ -40,11 +40,18 @@ pub(crate) struct Work {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Chosen {
     pub(crate) row: SurfaceRow,
-    value: Value,
+    pub(crate) value: Value,
 }
 
 impl Chosen {
-    fn parameters(&self) -> toml::Table {
+    /// The first value of a depth; `None` where it has none.
+    pub(crate) fn first(row: &SurfaceRow, depth: Depth) -> Option<Self> {
+        let value = row.values(depth).into_iter().next()?;
+        let row = row.clone();
+        Some(Self { row, value })
+    }
+
+    pub(crate) fn parameters(&self) -> toml::Table {
         let mut parameters = self.row.with.clone();
         parameters.insert(self.row.knob.clone(), self.value.clone());
         parameters

@@ -14,6 +14,7 @@ use crate::tiled::options::Options;
 use crate::tiled::picture::{self, Pictured};
 use crate::tiled::stage::Stages;
 use crate::tiled::{self, Tiled, cells};
+use crate::wires::Wires;
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
@@ -70,6 +71,7 @@ impl Study for GlobesStudy {
             let surfaces = SurfacesView::planned(view, &works, &opened, sizes);
             groups.push(Box::new(surfaces));
         }
+        groups.push(Box::new(Wires::planned(&list.view, &rows, sizes, &opened)));
         if opened.has(tiled::KIND) {
             for view in list.tiled_view.iter().filter(is_planned) {
                 let options = Options::of_view(request.depth);
