@@ -32,8 +32,10 @@ number=0
 # The figure and what it shows | what `terrafill render` draws of it.
 while IFS='|' read -r caption drawn; do
     number=$((number + 1))
-    # shellcheck disable=SC2086 # words of a command
-    "$program" render $drawn --size 384 --out "$folder/$number.png" >"$folder/said.txt" 2>&1 || {
+    # The name of a case may have blanks; options stand behind " --".
+    options=()
+    case "$drawn" in *" --"*) read -ra options <<<"--${drawn#* --}" ;; esac
+    "$program" render "${drawn%% --*}" ${options[@]+"${options[@]}"} --size 384 --out "$folder/$number.png" >"$folder/said.txt" 2>&1 || {
         cat "$folder/said.txt" >&2
         exit 1
     }

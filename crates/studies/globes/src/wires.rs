@@ -246,8 +246,9 @@ fn judge([width, height]: [u32; 2], lines: &[[DVec2; 2]], lit: &[bool]) -> WireE
             is_near[pixel] = true;
         }
         let middle = from.lerp(to, 0.5);
-        let mut about = around(middle).peekable();
-        if length >= SHORT_PX && about.peek().is_some() && !about.any(|pixel| lit[pixel]) {
+        let end = DVec2::new(f64::from(width), f64::from(height)) - NEAR_PX;
+        let is_inside = middle.cmpge(DVec2::splat(NEAR_PX)).all() && middle.cmple(end).all();
+        if length >= SHORT_PX && is_inside && !around(middle).any(|pixel| lit[pixel]) {
             found.missing += 1;
         }
     }

@@ -43,7 +43,7 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
                bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must be found \
                by that. The difference from the layers as published says what cubes and 8 bits cost.",
         cases: Select::Fitting(|case| {
-            ["layers", "clouds", "bumps"]
+            ["layers", "clouds", "bumps", "near a pole"]
                 .iter()
                 .any(|what| is_of(case, what))
         }),
@@ -106,8 +106,8 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
                may move a map by 0.25 px in 1,024. By another projection's triangles pixels must be found wrong. Triangles \
                are flat, and a projection is not: what they are off its formula stands beside it, with the same of \
                triangles half as long. That must be less than two thirds, else the tessellation is not its cause.",
-        cases: Select::Fitting(|case| is_of(case, "projections")),
-        named_by: Names::Columns(&[("projection", PROJECTION)]),
+        cases: Select::Fitting(|case| is_of(case, "projections") || is_of(case, "regions")),
+        named_by: Names::Columns(&[("projection", PROJECTION), ("view", VIEW)]),
         columns: &[
             BEYOND,
             Column::metric("off the texels, largest", GLOBE_SHADE_TEXELS_MAX),
@@ -142,6 +142,8 @@ fn shown(case: &Case) -> String {
         "faults" => of(FAULT).to_owned(),
         "layers" => format!("{} pictures, {} bumps", of(PICTURES), of(BUMPS)),
         "bumps" => format!("bumps × {}", of(BUMP_SCALE)),
+        "regions" => format!("{}, bumps × {}", of(PROJECTION), of(BUMP_SCALE)),
+        "near a pole" => format!("{} pictures", of(PICTURES)),
         "clouds" => format!("clouds after {} hours", of(HOURS)),
         _ => format!("{} removed", of(REMOVED)),
     };

@@ -24,6 +24,13 @@ const HOURS_LATER: [u32; 2] = [0, 48];
 /// Bumps of the paper's Figure 13, where clouds are away.
 const BUMP_SCALES: [u32; 3] = [0, 1, 4];
 
+/// Views, projections and bumps of the paper's Figure 14, where clouds are away.
+const FIGURE_14: [(&str, Projection, u32); 3] = [
+    ("north-america", Projection::HyperbolicPolar, 4),
+    ("middle-east", Projection::Flat, 1),
+    ("europe", Projection::Dome, 0),
+];
+
 /// The shader's faults as printed.
 const FAULTS: [(u32, &str); 3] = [
     (1, "unclamped-power"),
@@ -121,6 +128,28 @@ pub(super) fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
         what: "projections",
         ..base
     }));
+    if !is_quick {
+        all.extend(FIGURE_14.map(|(view, projection, bump_scale)| Work {
+            view,
+            projection,
+            shading: Shading {
+                bump_scale,
+                ..without(1)
+            },
+            is_stored: true,
+            what: "regions",
+            ..base
+        }));
+        all.extend([false, true].map(|by_angles| Work {
+            view: "pole-near",
+            shading: Shading {
+                by_angles,
+                ..without(1)
+            },
+            what: "near a pole",
+            ..base
+        }));
+    }
     let windows = if is_quick { 1 } else { WINDOWS_PX.len() };
     for &size_px in &WINDOWS_PX[..windows] {
         for n in TABLE_1_N {
