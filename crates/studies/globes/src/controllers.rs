@@ -17,7 +17,7 @@ use crate::sight::fingerprint;
 use device::FanDevice;
 use glam::DVec3;
 use rayon::prelude::*;
-use rule::{Controller, Counted, Drawn, Rule, WANTED_PX, radii, stable_gain};
+use rule::{Controller, Counted, Drawn, PER_TURN, Rule, WANTED_PX, radii, stable_gain};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use terrafill_contract::CpuStopwatch;
@@ -35,12 +35,16 @@ const REST_FRAMES: usize = 72;
 const RISING_FRAMES: usize = 120;
 /// Counts of a frame are used so many frames later: in the next one, as in the paper, or when mapping has given them.
 const DELAYS: [usize; 3] = [1, 2, 3];
+/// With a delay of 1 each step jumps past the target by 1.4 of what it was off: some frames pass before the picture's edge.
+const WILD: f64 = 1.2;
+/// Frames, of the first, over which that is followed.
+const GROWTH_FRAMES: usize = 8;
 /// Rules with their steps: a gain is a share of the one below which the loop settles. A quarter of it is about the largest
 /// without overshoot at the longer delays. Trying by 1 % is slower than a height that doubles each second, by 4 % faster.
 const STEPS: [(Rule, f64); 5] = [
     (Rule::Steps, 0.02),
     (Rule::Logarithmic, 0.25),
-    (Rule::Logarithmic, 1.5),
+    (Rule::Logarithmic, WILD),
     (Rule::Trying, 0.01),
     (Rule::Trying, 0.04),
 ];
@@ -331,9 +335,22 @@ impl<'a> ControllerPart<'a> {
         } else {
             let bare = |frame: usize| (ALL_PX - course.counts[frame].all) as f64;
             figures.push(("globe_bare_px", largest(&bare)));
+            let is_bare = late.clone().filter(|frame| bare(*frame) > 0.0);
+            let share = is_bare.count() as f64 / late.len() as f64;
+            figures.push(("globe_bare_share", share));
+            if work.rises && work.rule == Rule::Trying {
+                let third = course.drawn.len() / 3;
+                // The first third begins with corners covered.
+                let [middle, last] = [third..2 * third, 2 * third..3 * third]
+                    .map(|frames| frames.map(bare).sum::<f64>());
+                figures.push(("globe_bare_growth", last / middle.max(1.0)));
+            }
         }
         if work.rises {
             return figures;
+        }
+        if work.rule.of() == "fan" {
+            figures.extend(growth_by_frame(&course.drawn, &course.counts));
         }
         let held: Vec<u32> = course.drawn.iter().map(|drawn| work.held(*drawn)).collect();
         let [low, high] =
@@ -349,6 +366,30 @@ impl<'a> ControllerPart<'a> {
         }
         figures
     }
+}
+
+/// By how much the fan's error grows from a frame to the next, the least of the first frames, and the frame that ends
+/// them: there its pixels are cut off, by the picture or because no smaller fan is stored.
+fn growth_by_frame(drawn: &[Drawn], counts: &[Counted]) -> Figures {
+    // A fan of less than half of the picture lies within it.
+    let is_cut = |(drawn, counted): (&Drawn, &Counted)| {
+        2 * counted.fan >= ALL_PX || drawn.first <= PER_TURN || counted.fan == 0
+    };
+    let cut = drawn.iter().zip(counts).position(is_cut);
+    let free = cut.unwrap_or(counts.len()).min(GROWTH_FRAMES);
+    let off = |counted: &Counted| (counted.fan as f64 / WANTED_PX as f64).ln().abs();
+    let off: Vec<f64> = counts[..free].iter().map(off).collect();
+    let growth = off
+        .windows(2)
+        .map(|pair| pair[1] / pair[0].max(f64::EPSILON));
+    let mut figures = Figures::new();
+    // Of one step alone nothing is said.
+    if off.len() > 2 {
+        let least = growth.fold(f64::INFINITY, f64::min);
+        figures.push(("globe_fan_growth_least", least));
+    }
+    figures.extend(cut.map(|frame| ("globe_fan_cut_frame", frame as f64)));
+    figures
 }
 
 /// Frames after which a series repeats; `None` where it does not within half of it.

@@ -413,6 +413,30 @@ terrafill_results::metrics! {
         Kind::Error,
         "Logarithm of the fan's pixels over the wanted ones, largest in the second half of the frames, over that of the first frame: above 1 the fan is farther off than it began.",
     );
+    GLOBE_FAN_GROWTH_LEAST = Metric::less(
+        "globe_fan_growth_least",
+        "",
+        Kind::Error,
+        "By what factor that logarithm grows from a frame to the next while the eye rests, least of the first 8 frames, or of those before the fan is cut off: above 1 it grows exponentially.",
+    );
+    GLOBE_FAN_CUT_FRAME = Metric::neither(
+        "globe_fan_cut_frame",
+        "frames",
+        Kind::Counter,
+        "The first frame whose fan has half of the picture or more, or is the smallest that is stored: the picture or the store ends its growth.",
+    );
+    GLOBE_BARE_SHARE = Metric::less(
+        "globe_bare_share",
+        "",
+        Kind::Error,
+        "Share of frames with bare pixels, of the second half: between 0 and 1 they come and go.",
+    );
+    GLOBE_BARE_GROWTH = Metric::less(
+        "globe_bare_growth",
+        "",
+        Kind::Error,
+        "Bare pixels in the last third of a rise's frames over those in the middle third: 1 where they neither grow nor shrink.",
+    );
     GLOBE_BARE_PX = Metric::error_px(
         "globe_bare_px",
         "Pixels that show no spiral though they show the body, largest in the second half of the frames.",

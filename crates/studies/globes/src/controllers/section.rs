@@ -18,7 +18,8 @@ pub(crate) const SECTION: Section<'static> = Section {
            frame k + delay; the page of arithmetic counts a delay from the frame after, so that its 0 is 1 here. The \
            fan begins with half its 1,257 pixels, the outer radius 20 % beyond the corners; the other radius is in \
            closed form. A rising eye doubles its height each second of 60 frames. All counts are held against rays in \
-           f64. A frame is timed with its decision and with its counts read at once.",
+           f64. That trying flickers follows from its rule: it takes steps until pixels are bare. A frame is timed with its \
+           decision and with its counts read at once.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("path", PATH),
@@ -34,7 +35,13 @@ pub(crate) const SECTION: Section<'static> = Section {
         Column::metric("swing, %", GLOBE_CONTROLLER_SWING).or("the eye moves"),
         Column::metric("off closed form, %", GLOBE_CONTROLLER_OFF),
         Column::metric("fan off wanted px, %", GLOBE_FAN_OFF).or("the fan is in closed form"),
+        Column::metric("grows a frame", GLOBE_FAN_GROWTH_LEAST).or_of(why_no_growth),
+        Column::metric("cut off at frame", GLOBE_FAN_CUT_FRAME).or_of(why_not_cut),
         Column::metric("bare px", GLOBE_BARE_PX).or("the outer radius is in closed form"),
+        Column::metric("share of frames", GLOBE_BARE_SHARE)
+            .or("the outer radius is in closed form"),
+        Column::metric("last third over middle", GLOBE_BARE_GROWTH)
+            .or("of an outer radius that is tried while the eye rises"),
         Column::metric("along the diagonal", GLOBE_BARE_DIAGONAL_PX)
             .or("the outer radius is in closed form"),
         Column::metric("px in the rounding band", GLOBE_CONTROLLER_BAND_PX),
@@ -59,6 +66,22 @@ fn why_no_rest(case: &Case) -> &'static str {
     match case.condition(PATH) {
         "rest" => "it does not rest",
         _ => "the eye moves",
+    }
+}
+
+fn why_no_growth(case: &Case) -> &'static str {
+    match (case.condition(CONTROLLER), case.condition(PATH)) {
+        ("fan", "rest") => "the fan is cut off within three frames",
+        ("fan", _) => "the eye moves",
+        _ => "the fan is in closed form",
+    }
+}
+
+fn why_not_cut(case: &Case) -> &'static str {
+    match (case.condition(CONTROLLER), case.condition(PATH)) {
+        ("fan", "rest") => "nothing cuts it off",
+        ("fan", _) => "the eye moves",
+        _ => "the fan is in closed form",
     }
 }
 
@@ -94,6 +117,15 @@ fn all(cases: &Cases<'_>, metric: &Metric, is: impl Fn(&Case, f64) -> bool) -> O
         .filter_map(|case| Some((case, case.value(metric)?)));
     let (first, value) = figures.next()?;
     Some(is(first, value) && figures.all(|(case, value)| is(case, value)))
+}
+
+/// Whether all cases that were run have such a period; `None` without one. A loop that never repeats has none.
+fn repeat(cases: &Cases<'_>, is: impl Fn(&Case, Option<f64>) -> bool) -> Option<bool> {
+    let run: Vec<&Case> = cases.iter().filter(|case| case.counts()).collect();
+    let mut repeat = run
+        .iter()
+        .map(|case| is(case, case.value(GLOBE_CONTROLLER_PERIOD)));
+    (!run.is_empty()).then(|| repeat.all(|is| is))
 }
 
 fn exact(cases: &Cases<'_>) -> Finding {
@@ -138,8 +170,8 @@ fn steps(cases: &Cases<'_>) -> Finding {
     let periods: Vec<String> = periods.collect();
     finding(
         "Constant steps of the fan repeat after 4 d + 2 frames, as simulated with counts used d frames after the next",
-        all(&rest, GLOBE_CONTROLLER_PERIOD, |case, period| {
-            period == 4.0 * number(case, DELAY) - 2.0
+        repeat(&rest, |case, period| {
+            period == Some(4.0 * number(case, DELAY) - 2.0)
         }),
         format!(
             "{}. While the eye rises the radius is off by {} %: a constant step falls behind a wanted radius that doubles.",
@@ -150,17 +182,22 @@ fn steps(cases: &Cases<'_>) -> Finding {
 }
 
 fn gains(cases: &Cases<'_>) -> Finding {
-    let [calm, wild] = ["0.25", "1.5"].map(|step| of(cases, Rule::Logarithmic, "rest", Some(step)));
-    let rests = all(&calm, GLOBE_CONTROLLER_PERIOD, |_, period| period == 1.0);
-    let grows = all(&wild, GLOBE_FAN_GROWTH, |_, growth| growth > 1.0);
+    let [calm, wild] = ["0.25", "1.2"].map(|step| of(cases, Rule::Logarithmic, "rest", Some(step)));
+    // With counts of the last frame each step jumps past by more than it was off; with older ones the delay does it.
+    let next = wild.fitting(|case| case.condition(DELAY) == "1");
+    let rests = repeat(&calm, |_, period| period == Some(1.0));
+    let grows = all(&next, GLOBE_FAN_GROWTH_LEAST, |_, growth| growth > 1.0);
     finding(
-        "Logarithmic steps come to rest with a quarter of the limit's gain, and explode with 1.5 of it",
+        "Logarithmic steps come to rest with a quarter of the limit's gain, and explode exponentially with 1.2 of it",
         rests.zip(grows).map(|(rests, grows)| rests && grows),
         format!(
             "A quarter: at rest after {} frames, {} % off the wanted pixels, since less than half a stored vertex moves nothing. \
-             1.5: the fan is {} times as far off as it began.",
+             1.2 with a delay of 1: the error grows at least {} times each frame until frame {}, where the picture cuts the fan \
+             off. Over all delays it is {} times as far off at last as it began.",
             range(&calm, GLOBE_CONTROLLER_REST_FRAMES),
             range(&calm, GLOBE_FAN_OFF),
+            range(&next, GLOBE_FAN_GROWTH_LEAST),
+            range(&next, GLOBE_FAN_CUT_FRAME),
             range(&wild, GLOBE_FAN_GROWTH)
         ),
     )
@@ -170,13 +207,19 @@ fn flicker(cases: &Cases<'_>) -> Finding {
     let rest = of(cases, Rule::Trying, "rest", None);
     let words = rest.by(STEP).into_iter().map(|(step, own)| {
         let [px, diagonal] = [GLOBE_BARE_PX, GLOBE_BARE_DIAGONAL_PX].map(|of| range(&own, of));
-        format!("steps of {step}: {px} px, up to {diagonal} px along the diagonal")
+        let share = range(&own, GLOBE_BARE_SHARE);
+        format!("steps of {step}: {px} px in {share} of the frames, up to {diagonal} px along the diagonal")
     });
     let words: Vec<String> = words.collect();
     finding(
         "Gebbie & Bailey: trying the outer radius causes a flicker in the corners",
-        all(&rest, GLOBE_BARE_PX, |_, px| px > 0.0),
-        format!("Bare in turn, over all delays: {}.", words.join("; ")),
+        all(&rest, GLOBE_BARE_SHARE, |_, share| {
+            share > 0.0 && share < 1.0
+        }),
+        format!(
+            "Bare and covered in turn, over all delays: {}. It follows from the rule.",
+            words.join("; ")
+        ),
     )
 }
 
@@ -211,21 +254,36 @@ fn disc(cases: &Cases<'_>) -> Finding {
     )
 }
 
+/// Bare pixels of a rise have to grow so many times from its middle third to its last.
+const FALLS_BEHIND: f64 = 2.0;
+
 fn behind(cases: &Cases<'_>) -> Finding {
-    let [slow, fast] = ["0.01", "0.04"]
-        .map(|step| ["rest", "rising"].map(|path| of(cases, Rule::Trying, path, Some(step))));
-    let most = |own: &Cases<'_>| own.greatest(GLOBE_BARE_PX);
-    let falls = most(&slow[0]).zip(most(&slow[1]));
+    let slow = of(cases, Rule::Trying, "rising", Some("0.01"));
+    let fast = of(cases, Rule::Trying, "rising", Some("0.04"));
+    let covered = of(cases, Rule::Closed, "rising", None);
+    // The same eye with the same counts, whose radius is in closed form.
+    let closed = |case: &Case| {
+        let mut own = covered.iter();
+        let own = own.find(|other| other.condition(COUNTED_BY) == case.condition(COUNTED_BY))?;
+        own.value(GLOBE_BARE_PX)
+    };
+    let falls = |case: &Case, growth| growth >= FALLS_BEHIND && closed(case) == Some(0.0);
+    let by_delay = |own: &Cases<'_>| {
+        let words = own.by(DELAY).into_iter().map(|(delay, own)| {
+            let [growth, px] = [GLOBE_BARE_GROWTH, GLOBE_BARE_PX].map(|of| range(&own, of));
+            format!("delay {delay}: {growth} times, to {px} px")
+        });
+        words.collect::<Vec<_>>().join(", ")
+    };
     finding(
         "Gebbie & Bailey: where the eye rises fast the user will see the spiral falling behind",
-        falls.map(|(rest, rising)| rising > 2.0 * rest),
+        all(&slow, GLOBE_BARE_GROWTH, falls),
         format!(
-            "Bare while the height doubles each second: {} px with steps of 0.01, which at rest leave {}; {} px with steps of \
-             0.04, which at rest leave {}.",
-            range(&slow[1], GLOBE_BARE_PX),
-            range(&slow[0], GLOBE_BARE_PX),
-            range(&fast[1], GLOBE_BARE_PX),
-            range(&fast[0], GLOBE_BARE_PX)
+            "Bare pixels while the height doubles each second grow from the rise's middle third to its last, with steps of 0.01: \
+             {}; with steps of 0.04, which are faster than the eye and hover: {}; in closed form {} px are bare.",
+            by_delay(&slow),
+            by_delay(&fast),
+            range(&covered, GLOBE_BARE_PX)
         ),
     )
 }
@@ -254,24 +312,24 @@ mod tests {
     use terrafill_results::Standing;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
-    /// What is found of a rule's figures, by metric: at rest, and while the eye rises.
-    fn standing(
-        of: fn(&Cases<'_>) -> Finding,
-        rule: Rule,
-        figures: &[(&'static Metric, [f64; 2])],
-    ) -> Standing {
+    /// A case by path, rule, step and delay, with its figures.
+    type MadeUp<'a> = ([&'a str; 2], [&'a str; 2], &'a [(&'static Metric, f64)]);
+
+    fn standing(of: fn(&Cases<'_>) -> Finding, cases: &[MadeUp<'_>]) -> Standing {
         let mut run = MadeUpRun::default();
-        for (which, path) in ["rest", "rising"].into_iter().enumerate() {
+        for ([path, rule], [step, delay], figures) in cases {
             let conditions = [
                 ("part", PART),
                 ("path", path),
-                ("rule", rule.name()),
-                ("step", "0.01"),
-                ("delay", "2"),
+                ("rule", rule),
+                ("step", step),
+                ("delay", delay),
+                ("counted_by", "queries"),
             ];
-            let case = run.case(case_id(crate::STUDY, path, &conditions));
-            for (metric, values) in figures {
-                case.figure(*metric, values[which]);
+            let name = format!("{path}/{rule}/{step}/{delay}");
+            let case = run.case(case_id(crate::STUDY, &name, &conditions));
+            for (metric, value) in *figures {
+                case.figure(*metric, *value);
             }
         }
         of(&Cases::of_study(&run.loaded(), crate::STUDY)).standing
@@ -279,32 +337,82 @@ mod tests {
 
     #[test]
     fn findings_follow_their_figures() {
-        let trying = |of, metric, px| standing(of, Rule::Trying, &[(metric, px)]);
-        for (of, metric, holds, does_not) in [
-            (
-                flicker as fn(&Cases<'_>) -> Finding,
-                GLOBE_BARE_PX,
-                [16.0, 0.0],
-                [0.0, 9.0],
-            ),
-            (behind, GLOBE_BARE_PX, [16.0, 40.0], [16.0, 20.0]),
-            // A disc has 1 % of the corner's distance for each frame of delay: 3.6 px.
-            (disc, GLOBE_BARE_DIAGONAL_PX, [4.5, 0.0], [4.8, 0.0]),
-        ] {
-            assert_eq!(trying(of, metric, holds), Standing::Holds);
-            assert_eq!(trying(of, metric, does_not), Standing::DoesNotHold);
-        }
-        let others = |value| {
-            let period = [(GLOBE_CONTROLLER_PERIOD, [6.0 + value, 6.0])];
-            let frames = (GLOBE_CONTROLLER_FRAMES, [9.0; 2]);
-            let wrong = [(GLOBE_CONTROLLER_WRONG_FRAMES, [0.0, value]), frames];
-            [
-                standing(steps, Rule::Steps, &period),
-                standing(exact, Rule::Steps, &wrong),
-                standing(closed, Rule::Closed, &[(GLOBE_BARE_PX, [0.0, value])]),
-            ]
+        let one = |of, rule: Rule, path, figures: &[(&'static Metric, f64)]| {
+            standing(of, &[([path, rule.name()], ["0.01", "2"], figures)])
         };
-        assert_eq!(others(0.0), [Standing::Holds; 3]);
-        assert_eq!(others(1.0), [Standing::DoesNotHold; 3]);
+        let of_rest = |of, rule, metric, values: [f64; 2]| {
+            values.map(|value| one(of, rule, "rest", &[(metric, value)]))
+        };
+        let two = [Standing::Holds, Standing::DoesNotHold];
+        // A disc has 1 % of the corner's distance for each frame of delay: 3.6 px.
+        let px = GLOBE_BARE_DIAGONAL_PX;
+        assert_eq!(of_rest(disc, Rule::Trying, px, [4.5, 4.8]), two);
+        // Bare and covered in turn; always bare is no flicker, and neither is never.
+        for steady in [0.0, 1.0] {
+            let share = [0.4, steady];
+            assert_eq!(of_rest(flicker, Rule::Trying, GLOBE_BARE_SHARE, share), two);
+        }
+        let period = GLOBE_CONTROLLER_PERIOD;
+        assert_eq!(of_rest(steps, Rule::Steps, period, [6.0, 7.0]), two);
+        assert_eq!(
+            of_rest(closed, Rule::Closed, GLOBE_BARE_PX, [0.0, 1.0]),
+            two
+        );
+        let exact = [0.0, 1.0].map(|wrong| {
+            let figures = [
+                (GLOBE_CONTROLLER_FRAMES, 9.0),
+                (GLOBE_CONTROLLER_WRONG_FRAMES, wrong),
+            ];
+            one(exact, Rule::Steps, "rest", &figures)
+        });
+        assert_eq!(exact, two);
+    }
+
+    #[test]
+    fn a_loop_that_never_repeats_does_not_rest() {
+        let [rests, swings] = [
+            (GLOBE_CONTROLLER_PERIOD, 1.0),
+            (GLOBE_CONTROLLER_PERIOD, 6.0),
+        ];
+        let of_steps = |second: &[(&'static Metric, f64)]| {
+            let rule = ["rest", Rule::Steps.name()];
+            let first: MadeUp<'_> = (rule, ["0.02", "2"], &[swings]);
+            standing(steps, &[first, (rule, ["0.03", "2"], second)])
+        };
+        assert_eq!(of_steps(&[swings]), Standing::Holds);
+        // Negative control: a second case without a period.
+        assert_eq!(of_steps(&[]), Standing::DoesNotHold);
+        let of_gains = |calm: &[(&'static Metric, f64)], growth: f64| {
+            let rule = ["rest", Rule::Logarithmic.name()];
+            let cases: [MadeUp<'_>; 4] = [
+                (rule, ["0.25", "1"], &[rests]),
+                (rule, ["0.25", "3"], calm),
+                (rule, ["1.2", "1"], &[(GLOBE_FAN_GROWTH_LEAST, growth)]),
+                (rule, ["1.2", "3"], &[(GLOBE_FAN_GROWTH_LEAST, 0.5)]),
+            ];
+            standing(gains, &cases)
+        };
+        assert_eq!(of_gains(&[rests], 1.4), Standing::Holds);
+        // Negative controls: one that does not repeat, and one whose error shrinks in a frame.
+        assert_eq!(of_gains(&[], 1.4), Standing::DoesNotHold);
+        assert_eq!(of_gains(&[rests], 0.9), Standing::DoesNotHold);
+    }
+
+    #[test]
+    fn what_hovers_does_not_fall_behind() {
+        let found = |growth: f64, closed: f64| {
+            let rule = ["rising", Rule::Trying.name()];
+            let other = ["rising", Rule::Closed.name()];
+            let cases: [MadeUp<'_>; 3] = [
+                (rule, ["0.01", "2"], &[(GLOBE_BARE_GROWTH, growth)]),
+                (rule, ["0.04", "2"], &[(GLOBE_BARE_GROWTH, 1.0)]),
+                (other, ["", ""], &[(GLOBE_BARE_PX, closed)]),
+            ];
+            standing(behind, &cases)
+        };
+        assert_eq!(found(3.0, 0.0), Standing::Holds);
+        // Negative controls: one that hovers, and corners that closed form leaves bare as well.
+        assert_eq!(found(1.1, 0.0), Standing::DoesNotHold);
+        assert_eq!(found(3.0, 9.0), Standing::DoesNotHold);
     }
 }

@@ -38,7 +38,7 @@ fn loops_on_devices_swing_rest_and_fall_behind() {
                     Err(error) => unreachable!("{error:?}"),
                 }
             };
-            let [steps, calm, wild, slow, _] = STEPS;
+            let [steps, calm, wild, slow, fast] = STEPS;
             let Some(period) = of(false, steps, 2, "globe_controller_period") else {
                 continue;
             };
@@ -49,11 +49,20 @@ fn loops_on_devices_swing_rest_and_fall_behind() {
             // Negative control: a gain beyond the limit.
             assert_eq!(of(false, wild, 2, "globe_controller_rest_frames"), None);
             assert!(of(false, wild, 2, "globe_fan_growth") > Some(1.0));
-            let bare = [false, true].map(|rises| of(rises, slow, 1, "globe_bare_px"));
+            assert!(of(false, steps, 2, "globe_fan_growth") < Some(1.0));
+            // Each step jumps past by 1.4 of what it was off, until the picture cuts the fan off; a calm one halves it.
+            let growth = [wild, calm].map(|rule| of(false, rule, 1, "globe_fan_growth_least"));
             assert!(
-                bare[0] > Some(0.0) && bare[1] > bare[0].map(|px| 2.0 * px),
-                "{bare:?}"
+                growth[0] > Some(1.3) && growth[0] < Some(1.5) && growth[1] < Some(0.6),
+                "{growth:?}"
             );
+            let cut = [wild, calm].map(|rule| of(false, rule, 1, "globe_fan_cut_frame"));
+            assert!(cut[0] > Some(3.0) && cut[1].is_none(), "{cut:?}");
+            // Corners go bare in turn; while the eye rises they grow with slow steps, and hover with fast ones.
+            let share = of(false, slow, 1, "globe_bare_share");
+            assert!(share > Some(0.0) && share < Some(1.0), "{share:?}");
+            let growth = [slow, fast].map(|rule| of(true, rule, 1, "globe_bare_growth"));
+            assert!(growth[0] > Some(2.0) && growth[1] < Some(1.5), "{growth:?}");
             let closed = (Rule::Closed, 0.0);
             assert_eq!(of(true, closed, 1, "globe_bare_px"), Some(0.0));
             // What an eye at rest needs is there; one that rises sends constants.
@@ -93,6 +102,43 @@ fn a_wrong_count_and_counts_of_another_case_are_noticed() {
         let again = part.run(early, Some(&own.counts)).expect("counted");
         assert_eq!(reason(&part, early, &again), "");
     });
+}
+
+#[test]
+fn growth_is_of_frames_before_the_fan_is_cut_off() {
+    let drawn = [Drawn {
+        first: 10 * PER_TURN,
+        last: 20 * PER_TURN,
+    }; 6];
+    let found = |pixels: [u64; 6]| {
+        let counts = pixels.map(|fan| Counted { fan, all: ALL_PX });
+        growth_by_frame(&drawn, &counts)
+    };
+    // The error doubles twice; what the picture cuts off is no growth, nor what follows.
+    let figures = found([
+        WANTED_PX / 2,
+        4 * WANTED_PX,
+        WANTED_PX / 16,
+        ALL_PX,
+        9,
+        ALL_PX,
+    ]);
+    assert_eq!(figures[1], ("globe_fan_cut_frame", 3.0));
+    assert!((figures[0].1 - 2.0).abs() < 0.01, "{figures:?}");
+    // Negative controls: one frame that grows less, and a fan that is cut off before it has grown twice.
+    let calm = found([
+        WANTED_PX / 2,
+        4 * WANTED_PX,
+        2 * WANTED_PX,
+        ALL_PX,
+        9,
+        ALL_PX,
+    ]);
+    assert!((calm[0].1 - 0.5).abs() < 0.01, "{calm:?}");
+    assert_eq!(
+        found([WANTED_PX / 2, 4 * WANTED_PX, ALL_PX, 9, 9, 9]),
+        [("globe_fan_cut_frame", 2.0)]
+    );
 }
 
 #[test]
