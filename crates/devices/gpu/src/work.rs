@@ -102,6 +102,18 @@ impl Gpu {
         self.queue.write_buffer(buffer, offset, bytes);
     }
 
+    /// Writes into a texture.
+    pub fn write_texture(
+        &self,
+        texture: wgpu::TexelCopyTextureInfo<'_>,
+        bytes: &[u8],
+        layout: wgpu::TexelCopyBufferLayout,
+        size: wgpu::Extent3d,
+    ) {
+        self.work.count_upload(bytes.len() as u64);
+        self.queue.write_texture(texture, bytes, layout, size);
+    }
+
     /// Writes what a buffer has to hold over what it holds from its first byte on, where that differs.
     pub fn write_changed(&self, buffer: &wgpu::Buffer, before: &[u8], after: &[u8]) {
         if let Some(changed) = changed_words(before, after) {

@@ -195,7 +195,7 @@ pub(crate) fn texture(
 pub(crate) fn write_layers(gpu: &Gpu, texture: &wgpu::Texture, z: u32, texels: &[u8]) {
     let (width, height) = (texture.width(), texture.height());
     let layers = texels.len() / (4 * width * height) as usize;
-    gpu.queue.write_texture(
+    gpu.write_texture(
         wgpu::TexelCopyTextureInfo {
             origin: wgpu::Origin3d { x: 0, y: 0, z },
             ..texture.as_image_copy()

@@ -268,6 +268,10 @@ terrafill_results::metrics! {
         "Pixels of the judged frames that show another texel than that of the finest tile that is there, by more than rounding explains; at most 0.",
     );
     GLOBE_LOAD_JUDGED_PX = pixels("globe_load_judged_px", "Pixels of the judged frames of a flight.");
+    GLOBE_LOAD_MOVING_COARSE_PX = pixels(
+        "globe_load_moving_coarse_px",
+        "Pixels of the judged frames whose eye moves that show a coarser level than they want.",
+    );
     GLOBE_LOAD_COARSE_LAST_PX = Metric::less(
         "globe_load_coarse_last_px",
         "px",
@@ -276,7 +280,7 @@ terrafill_results::metrics! {
     );
     GLOBE_LOAD_STEADY_BYTES = Metric::bytes(
         "globe_load_steady_bytes",
-        "Bytes that the last three frames of a flight send, whose eye rests and which lack no tile.",
+        "Bytes written at the device's queue in a flight's frames whose eye rests and which have the tiles that they choose, by whoever wrote them.",
     );
     GLOBE_LOAD_FILE_BYTES = Metric::neither(
         "globe_load_file_bytes",
@@ -311,11 +315,11 @@ terrafill_results::metrics! {
         Metric::time_ms("globe_load_frame_max_wall_ms", "The same, longest.").covering(Scope::PLAN.and(Scope::FRAME));
     GLOBE_LOAD_FRAME_CPU_MS = Metric::time_ms(
         "globe_load_frame_cpu_ms",
-        "Process CPU time of a flight without that of the thread that reads, over its frames.",
+        "Process CPU time of the same, mean of a flight's frames; what a thread that reads uses meanwhile is among it.",
     ).covering(Scope::PLAN.and(Scope::FRAME));
     GLOBE_LOAD_THREAD_CPU_MS = Metric::time_ms(
         "globe_load_thread_cpu_ms",
-        "CPU time of the thread that reads tiles beside a flight's frames.",
+        "CPU time of the thread that reads tiles beside a flight's frames, between them too; none where frames read."
     ).covering(Scope::PLAN);
     GLOBE_TILE_CROSSING = Metric::quantity("globe_tile_crossing", "Triangles across ±180° that hold no pole.");
     GLOBE_TILE_MISSED = Metric::error("globe_tile_missed", "", "Of them, those that the seam's rule leaves whole.");

@@ -316,6 +316,11 @@ impl MapTargets {
         all.iter().map(|(_, bytes)| bytes.len() as u64).sum()
     }
 
+    /// Bytes that were written at the device's queue so far, by whoever wrote them.
+    pub(crate) fn written_bytes(&self) -> u64 {
+        self.canvas.gpu.work_done().upload_bytes
+    }
+
     /// Hands a frame's tiles to the device, no more than the scene has; bytes that were sent.
     pub(crate) fn send_tiles<'t>(
         &self,

@@ -382,10 +382,14 @@ impl Session for LoadingPart<'_> {
         let flown = self.flown(flight.path)?;
         let (course, files) = &*flown;
         let (mut all, mut reason) = (Judged::default(), of_frames(&record, flight.budget));
-        let mut notes = vec![
-            ("coarse", trace(&record, |of| of.coarse_share())),
-            ("bytes", trace(&record, |of| of.bytes as f64)),
-        ];
+        let mut notes = Vec::new();
+        if self.group.work.picture.is_none() {
+            // Judging reads pictures back, meanwhile a thread reads on: what comes when is told by a flight like the timed ones.
+            let (as_timed, ..) = self.fly(case, false)?;
+            notes.push(("coarse", trace(&as_timed, |of| of.coarse_share())));
+            notes.push(("bytes", trace(&as_timed, |of| of.bytes as f64)));
+        }
+        let mut moving_coarse = 0;
         for frame in &frames {
             let truths = course.truths(frame.frame)?;
             let found = judge(&truths, &frame.shown, &frame.held);
@@ -402,6 +406,9 @@ impl Session for LoadingPart<'_> {
                     format!("{others} pixels have another colour than the texel that they show");
             }
             all = all.and(found);
+            if frame.frame < MOVING {
+                moving_coarse += found.coarse;
+            }
             let is_last = frame.frame >= MOVING;
             if is_last || frame.frame == PICTURED {
                 let note = if is_last { "picture" } else { "before" };
@@ -425,6 +432,10 @@ impl Session for LoadingPart<'_> {
         let mut figures = vec![
             (metrics::GLOBE_LOAD_WRONG_PX.name, all.wrong as f64),
             (metrics::GLOBE_LOAD_JUDGED_PX.name, all.pixels as f64),
+            (
+                metrics::GLOBE_LOAD_MOVING_COARSE_PX.name,
+                moving_coarse as f64,
+            ),
             (metrics::GLOBE_TILE_COUNT.name, course.tiles.len() as f64),
             (metrics::GLOBE_LOAD_FILE_BYTES.name, files.bytes as f64),
         ];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What frames of a flight add up to.
 
-use super::flight::{FlightRecord, FrameRecord, MOVING, QUIET};
+use super::flight::{FlightRecord, FrameRecord, MOVING};
 use crate::metrics::*;
 use terrafill_results::median;
 use terrafill_study::Figures;
@@ -30,13 +30,14 @@ pub(crate) fn of_frames(record: &FlightRecord, budget: usize) -> String {
 
 /// What does not depend on when a thread ran.
 pub(crate) fn steady(record: &FlightRecord) -> Figures {
-    let rest = record.frames.iter().rev().take(QUIET);
-    let bytes = rest.clone().map(|frame| frame.bytes as f64).sum();
+    let rest = record.frames.iter().filter(|frame| frame.rests);
+    let bytes = rest.clone().map(|frame| frame.queue_bytes as f64).sum();
     let coarse = record.frames.last().map_or(0, |frame| frame.pixels[1]);
-    vec![
-        (GLOBE_LOAD_STEADY_BYTES.name, bytes),
-        (GLOBE_LOAD_COARSE_LAST_PX.name, coarse as f64),
-    ]
+    let mut figures = vec![(GLOBE_LOAD_COARSE_LAST_PX.name, coarse as f64)];
+    if rest.count() > 0 {
+        figures.push((GLOBE_LOAD_STEADY_BYTES.name, bytes));
+    }
+    figures
 }
 
 /// What depends on how fast things went.
@@ -54,14 +55,16 @@ pub(crate) fn of_flight(record: &FlightRecord) -> Figures {
         (GLOBE_LOAD_BYTES.name, all(|frame| frame.bytes as f64).sum()),
         (GLOBE_LOAD_BYTES_MAX.name, most(|frame| frame.bytes as f64)),
         (GLOBE_LOAD_SENT_MAX.name, most(|frame| frame.sent as f64)),
-        (GLOBE_LOAD_CANCELLED.name, record.cancelled as f64),
         (GLOBE_LOAD_FRAME_MAX_WALL_MS.name, longest),
         (
             GLOBE_LOAD_FRAME_CPU_MS.name,
-            record.frames_cpu_ms / frames.len().max(1) as f64,
+            all(|frame| frame.cpu_ms).sum::<f64>() / frames.len().max(1) as f64,
         ),
-        (GLOBE_LOAD_THREAD_CPU_MS.name, record.thread_cpu_ms),
     ];
+    if let Some(thread) = record.beside {
+        figures.push((GLOBE_LOAD_CANCELLED.name, thread.cancelled as f64));
+        figures.push((GLOBE_LOAD_THREAD_CPU_MS.name, thread.cpu_ms));
+    }
     if let Some(median) = median(&walls) {
         figures.push((GLOBE_LOAD_FRAME_WALL_MS.name, median));
         figures.push((GLOBE_LOAD_SPIKE.name, longest / median));

@@ -249,12 +249,18 @@ pub(crate) struct FrameRecord {
     pub(crate) sent: usize,
     /// Bytes that it sent, tiles and all else.
     pub(crate) bytes: u64,
+    /// Bytes written at the device's queue since the frame before, by whoever wrote them.
+    pub(crate) queue_bytes: u64,
+    /// Whether its eye is that of the frame before, and it has the tiles that it chooses.
+    pub(crate) rests: bool,
     /// Tiles for which no slot was free.
     pub(crate) without_slot: usize,
     /// Pixels that say what they want, and those of them that show a coarser level.
     pub(crate) pixels: [u64; 2],
     /// Wall clock of making, choosing, sending and drawing.
     pub(crate) wall_ms: f64,
+    /// Process CPU time of the same, with that of a thread that reads meanwhile.
+    pub(crate) cpu_ms: f64,
 }
 
 impl FrameRecord {
@@ -269,12 +275,17 @@ impl FrameRecord {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct FlightRecord {
     pub(crate) frames: Vec<FrameRecord>,
+    /// Where a thread reads beside frames.
+    pub(crate) beside: Option<Beside>,
+}
+
+/// What a thread did that reads beside frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Beside {
     /// Requests that frames gave up.
     pub(crate) cancelled: usize,
-    /// Process CPU time of all frames, without that of the thread that reads.
-    pub(crate) frames_cpu_ms: f64,
-    /// CPU time of that thread.
-    pub(crate) thread_cpu_ms: f64,
+    /// CPU time of the thread.
+    pub(crate) cpu_ms: f64,
 }
 
 /// Called after a frame with its number, and what is held in which slot.
@@ -320,7 +331,8 @@ pub(crate) fn fly(
     let loader = (flight.loading == Loading::Background).then(|| Loader::start(read.clone()));
     let mut record = FlightRecord::default();
     let (mut shown, mut quiet) = (None, 0);
-    let (start, whole) = (Instant::now(), CpuStopwatch::start());
+    let mut written = stage.targets.written_bytes();
+    let start = Instant::now();
     for frame in 0..MOST_FRAMES {
         let due = PACE.saturating_mul(u32::try_from(frame).unwrap_or(u32::MAX));
         std::thread::sleep(due.saturating_sub(start.elapsed()));
@@ -364,16 +376,21 @@ pub(crate) fn fly(
         }
         stage.targets.draw(stage.scene)?;
         of_frame.wall_ms = watch.wall_ms();
+        of_frame.cpu_ms = watch.cpu_ms();
         of_frame.pixels = course.pixels(frame, &held);
+        let before = std::mem::replace(&mut written, stage.targets.written_bytes());
+        of_frame.queue_bytes = written - before;
+        // Not by what is sent: that is asked of such frames.
+        of_frame.rests = lacking.is_empty() && frame > 0 && at == (frame - 1).min(MOVING - 1);
         record.frames.push(of_frame);
-        let lacks = of_frame.sent > 0 || !lacking.is_empty() || frame < MOVING;
-        quiet = if lacks { 0 } else { quiet + 1 };
+        quiet = if of_frame.rests { quiet + 1 } else { 0 };
         let is_last = quiet == QUIET;
         look_at(frame, is_last, &held, stage)?;
         if is_last {
-            record.thread_cpu_ms = loader.as_ref().map_or(0.0, Loader::cpu_ms);
-            record.frames_cpu_ms = whole.cpu_ms() - record.thread_cpu_ms;
-            record.cancelled = loader.as_ref().map_or(0, Loader::cancelled);
+            record.beside = loader.as_ref().map(|loader| Beside {
+                cancelled: loader.cancelled(),
+                cpu_ms: loader.cpu_ms(),
+            });
             return Ok(record);
         }
     }

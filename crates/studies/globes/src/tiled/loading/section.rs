@@ -2,12 +2,13 @@
 //! The section on tiles that are read while frames are drawn.
 
 use super::PART;
+use crate::clock::compared_in;
 use crate::metrics::{self, *};
 use crate::tiled::section::COUNT;
-use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
+use terrafill_lab::{Cases, Column, Comparison, Names, Section, Select, finding, sentences};
 use terrafill_plot::number::{digits, measured_bytes, significant};
 use terrafill_plot::{Course, Courses};
-use terrafill_results::{Block, Case, ChapterError, Finding, Metric};
+use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Metric, Scope};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Tiles read beside frames",
@@ -20,8 +21,8 @@ pub(crate) const SECTION: Section<'static> = Section {
            used longest ago makes room. A tile that is not there is drawn by the nearest that it is a part of. \
            Each pixel of the judged frames is held against rays in double precision and the tiles that were there: it must show the \
            texel of the finest one, and nothing else. “Coarse” is the share of pixels that show a coarser level than they \
-           want, summed over frames. Where a level is not there, each fragment searches for the next one. A frame’s clock covers making the grid, choosing, sending and drawing; the CPU time of the \
-           thread is apart. Pictures have a colour for each level, pale where it is coarser than wanted.",
+           want, summed over frames. Where a level is not there, each fragment searches for the next one. A frame’s clock covers making the grid, choosing, sending and drawing; its CPU time has what a \
+           thread uses meanwhile, whose whole time stands beside it. Pictures have a colour for each level, pale where it is coarser than wanted.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("tiles hold", PICTURES),
@@ -33,10 +34,11 @@ pub(crate) const SECTION: Section<'static> = Section {
     columns: &[
         Column::metric("wrong px", GLOBE_LOAD_WRONG_PX),
         Column::metric("of px", GLOBE_LOAD_JUDGED_PX),
+        Column::metric("coarse px, eye moves", GLOBE_LOAD_MOVING_COARSE_PX),
         timed("coarse, frames", GLOBE_LOAD_COARSE),
         Column::metric("px, last frame", GLOBE_LOAD_COARSE_LAST_PX),
         timed("frames to rest", GLOBE_LOAD_REST_FRAMES),
-        timed("given up", GLOBE_LOAD_CANCELLED),
+        Column::metric("given up", GLOBE_LOAD_CANCELLED).or_of(why_no_thread),
         timed("tiles sent, most in a frame", GLOBE_LOAD_SENT_MAX),
         timed("bytes sent", GLOBE_LOAD_BYTES).written(measured_bytes),
         timed("most in a frame", GLOBE_LOAD_BYTES_MAX).written(measured_bytes),
@@ -45,28 +47,45 @@ pub(crate) const SECTION: Section<'static> = Section {
         timed("longest", GLOBE_LOAD_FRAME_MAX_WALL_MS),
         timed("longest / median", GLOBE_LOAD_SPIKE),
         timed("frame, CPU ms", GLOBE_LOAD_FRAME_CPU_MS),
-        timed("thread, CPU ms", GLOBE_LOAD_THREAD_CPU_MS),
+        Column::metric("thread, CPU ms", GLOBE_LOAD_THREAD_CPU_MS).or_of(why_no_thread),
         COUNT,
         Column::metric("files", GLOBE_LOAD_FILE_BYTES),
     ],
-    findings: &[exact, at_rest, spikes, late],
+    findings: &[exact, at_rest, spikes],
     pictures: &[("before", "frame 3"), ("picture", "at rest")],
-    more: &[coarse, bytes],
+    more: &[late, coarse, bytes],
     ..Section::EMPTY
 };
 
 const fn timed(heading: &'static str, metric: &'static Metric) -> Column {
-    Column::metric(heading, metric).or("flights over a picture are judged, not timed")
+    Column::metric(heading, metric).or(NOT_TIMED)
+}
+
+const NOT_TIMED: &str = "flights over a picture are judged, not timed";
+
+fn why_no_thread(case: &Case) -> &'static str {
+    match case.condition(LOADING) {
+        "background" => NOT_TIMED,
+        _ => "no thread reads beside its frames",
+    }
 }
 
 fn exact(cases: &Cases<'_>) -> Finding {
     let [wrong, of] = [GLOBE_LOAD_WRONG_PX, GLOBE_LOAD_JUDGED_PX].map(|metric| cases.sum(metric));
+    // Where nothing is lacking while the eye moves, nothing comes and goes.
+    let background = cases.with(&[(LOADING, "background")]);
+    let coarse = background.sum(GLOBE_LOAD_MOVING_COARSE_PX).unwrap_or(0.0);
     let said = wrong.zip(of).map_or_else(String::new, |(wrong, of)| {
-        format!("{} of {} pixels wrong.", digits(wrong), digits(of))
+        format!(
+            "{} of {} pixels wrong; with a thread beside frames {} pixels showed a coarser level than they want while the eye moved.",
+            digits(wrong),
+            digits(of),
+            digits(coarse)
+        )
     });
     finding(
         "While tiles come and go, each pixel shows the texel of the finest tile that is there",
-        wrong.map(|wrong| wrong == 0.0),
+        wrong.and_then(|wrong| (wrong > 0.0 || coarse > 0.0).then_some(wrong == 0.0)),
         said,
     )
 }
@@ -77,7 +96,10 @@ fn at_rest(cases: &Cases<'_>) -> Finding {
         "A frame whose eye rests, and that has its tiles, sends nothing to the device",
         most.map(|most| most == 0.0),
         most.map_or_else(String::new, |most| {
-            format!("At most {} in three frames.", measured_bytes(most))
+            format!(
+                "At most {} at the queue in a flight's resting frames.",
+                measured_bytes(most)
+            )
         }),
     )
 }
@@ -99,34 +121,51 @@ fn words<'p>(pairs: impl IntoIterator<Item = &'p (String, [f64; 2])>) -> String 
         let [background, foreground] = figures.map(significant);
         format!("{name}: {background} in the background, {foreground} in the foreground")
     });
-    format!("{}.", words.collect::<Vec<_>>().join("; "))
+    let words: Vec<String> = words.collect();
+    if words.is_empty() {
+        return "not measured.".to_owned();
+    }
+    format!("{}.", words.join("; "))
 }
+
+/// Of a flight's longest frame, by the noise of these cases, and of processes enough.
+const LONGEST: Comparison<'static> = compared_in(
+    LOADING,
+    GLOBE_LOAD_FRAME_MAX_WALL_MS,
+    Scope::PLAN.and(Scope::FRAME),
+);
 
 fn spikes(cases: &Cases<'_>) -> Finding {
-    let pairs = pairs(cases, GLOBE_LOAD_SPIKE);
-    let (at_once, waits): (Vec<_>, Vec<_>) =
-        pairs.iter().partition(|(name, _)| name.ends_with(" 0 ms"));
-    let holds = waits
-        .iter()
-        .all(|(_, [background, foreground])| background < foreground);
-    finding(
-        "Where each tile is waited for, a flight’s longest frame is fewer medians long with a thread beside it",
-        (!waits.is_empty()).then_some(holds),
-        format!("{} Without a wait, {}", words(waits), words(at_once)),
-    )
+    let waits = cases.fitting(|case| case.condition(LATENCY_MS) != "0");
+    let found = cases.compared(
+        &LONGEST,
+        &waits.pairs(LOADING, ["foreground", "background"], &[]),
+        Claim::Faster,
+        "Where each tile is waited for, a flight’s longest frame is shorter with a thread beside it",
+    );
+    let at_once = cases.with(&[(LATENCY_MS, "0")]);
+    let [waits, at_once] =
+        [&waits, &at_once].map(|own| words(&pairs(own, GLOBE_LOAD_FRAME_MAX_WALL_MS)));
+    let said = format!(
+        "Wall ms of the longest frame, {waits} That follows from the latency that is asked for: a frame waits so long for \
+         each tile that it lacks. Without a wait, {at_once}"
+    );
+    Finding {
+        because: sentences([found.because, said]),
+        ..found
+    }
 }
 
-/// What not waiting costs in what is seen.
-fn late(cases: &Cases<'_>) -> Finding {
+/// What not waiting costs in what is seen. It is no finding: the first frame asks and takes nothing, and frames that wait
+/// lack nothing.
+fn late(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     let pairs = pairs(cases, GLOBE_LOAD_COARSE);
-    let holds = pairs
-        .iter()
-        .all(|(_, [background, foreground])| background > foreground);
-    finding(
-        "Frames that do not wait show more pixels at a coarser level than they want",
-        (!pairs.is_empty()).then_some(holds),
-        words(&pairs),
-    )
+    let said = format!(
+        "Frames’ worth of pixels at a coarser level than they want, {} The first frame of a flight in the background has the \
+         coarsest level alone.",
+        words(&pairs)
+    );
+    Ok((!pairs.is_empty()).then_some(Block::Text(said)))
 }
 
 fn course(cases: &Cases<'_>, caption: &str, note: &str) -> Result<Option<Block>, ChapterError> {
@@ -150,11 +189,12 @@ fn course(cases: &Cases<'_>, caption: &str, note: &str) -> Result<Option<Block>,
 }
 
 fn coarse(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
-    let caption = "Share of pixels that show a coarser level than they want, frame by frame of the judged flight.";
+    let caption = "Share of pixels that show a coarser level than they want, frame by frame of a flight whose pictures are not judged on the way.";
     course(cases, caption, "coarse")
 }
 
 fn bytes(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
-    let caption = "Bytes that are sent, frame by frame of the judged flight.";
+    let caption =
+        "Bytes that are sent, frame by frame of a flight whose pictures are not judged on the way.";
     course(cases, caption, "bytes")
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Flights on a device, and the judge without one.
 
-use super::flight::{FrameRecord, QUIET, addresses, wanted_tile};
+use super::flight::{Beside, FrameRecord, QUIET, addresses, wanted_tile};
 use super::*;
 use crate::metrics::*;
 use crate::on_device::{self, figure, on_device};
@@ -39,6 +39,10 @@ fn each_pixel_shows_the_finest_tile_that_is_there_whoever_reads_it() {
             assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
             assert_eq!(figure(&verdict, GLOBE_LOAD_STEADY_BYTES.name), 0.0);
             assert_eq!(figure(&verdict, GLOBE_LOAD_COARSE_LAST_PX.name), 0.0);
+            if flight.loading == Loading::Background && flight.budget == 1 {
+                let coarse = figure(&verdict, GLOBE_LOAD_MOVING_COARSE_PX.name);
+                assert!(coarse > 0.0, "{flight:?}");
+            }
             found.push((flight, session.time(case).expect("timed")));
         }
         for (flight, figures) in &found {
@@ -56,7 +60,11 @@ fn each_pixel_shows_the_finest_tile_that_is_there_whoever_reads_it() {
             if flight.budget == 1 {
                 assert_eq!(of(figures, GLOBE_LOAD_SENT_MAX), 1.0);
             }
-            assert!(is_late || of(figures, GLOBE_LOAD_THREAD_CPU_MS) == 0.0);
+            // Where frames read there is no thread, and nothing to say of one.
+            for metric in [GLOBE_LOAD_THREAD_CPU_MS, GLOBE_LOAD_CANCELLED] {
+                assert_eq!(of(figures, metric).is_nan(), !is_late, "{flight:?}");
+            }
+            assert!(of(figures, GLOBE_LOAD_FRAME_CPU_MS) > 0.0);
         }
         // Negative control: a last picture that is another.
         let notes = BTreeMap::from([(LAST.to_owned(), "0".to_owned())]);
@@ -255,14 +263,22 @@ fn a_frame_over_its_budget_and_bytes_at_rest_are_found() {
     let calm = FrameRecord {
         pixels: [200, 0],
         wall_ms: 2.0,
+        cpu_ms: 2.0,
         ..FrameRecord::default()
+    };
+    let thread = Beside {
+        cancelled: 3,
+        cpu_ms: 9.0,
     };
     let mut record = FlightRecord {
         frames: vec![calm; MOVING + 1 + QUIET],
-        cancelled: 3,
-        frames_cpu_ms: 2.0 * (MOVING + 1 + QUIET) as f64,
-        thread_cpu_ms: 9.0,
+        beside: Some(thread),
     };
+    // Without a frame that rests nothing is said of one.
+    assert!(of(&steady(&record), GLOBE_LOAD_STEADY_BYTES).is_nan());
+    for frame in &mut record.frames[MOVING + 1..] {
+        frame.rests = true;
+    }
     record.frames[MOVING] = FrameRecord {
         sent: 4,
         bytes: 400,
@@ -288,23 +304,31 @@ fn a_frame_over_its_budget_and_bytes_at_rest_are_found() {
     assert_eq!(of_frames(&record, 3), over);
     record.frames[2].without_slot = 1;
     assert!(of_frames(&record, 4).contains("frame 2 has no slot"));
-    record.frames[MOVING + QUIET].bytes = 64;
+    record.frames[MOVING].queue_bytes = 400;
+    assert_eq!(of(&steady(&record), GLOBE_LOAD_STEADY_BYTES), 0.0);
+    record.frames[MOVING + QUIET].queue_bytes = 64;
     assert_eq!(of(&steady(&record), GLOBE_LOAD_STEADY_BYTES), 64.0);
+    record.beside = None;
+    assert!(of(&of_flight(&record), GLOBE_LOAD_CANCELLED).is_nan());
 }
 
 #[test]
 fn spikes_and_what_is_seen_meanwhile_are_found_of_pairs() {
-    let found = |spike: f64, wrong: f64| {
+    let found = |longest_ms: f64, [wrong, coarse, rest]: [f64; 3], processes: usize| {
         let mut run = MadeUpRun::default();
         for flight in flights(false, false) {
             let is_late = flight.loading == Loading::Background;
             let case = run.case(case(&flight, 64, None).id);
             case.figure(GLOBE_LOAD_WRONG_PX, wrong);
             case.figure(GLOBE_LOAD_JUDGED_PX, 100.0);
-            case.figure(GLOBE_LOAD_STEADY_BYTES, 0.0);
+            case.figure(GLOBE_LOAD_STEADY_BYTES, rest);
+            let coarse = if is_late { coarse } else { 0.0 };
+            case.figure(GLOBE_LOAD_MOVING_COARSE_PX, coarse);
             case.note("coarse", "0.5 0.25 0");
-            case.timed(GLOBE_LOAD_COARSE, &[if is_late { 5.0 } else { 0.0 }; 2]);
-            case.timed(GLOBE_LOAD_SPIKE, &[if is_late { spike } else { 20.0 }; 2]);
+            let seen = if is_late { 5.0 } else { 0.0 };
+            case.timed(GLOBE_LOAD_COARSE, &vec![seen; processes]);
+            let longest_ms = if is_late { longest_ms } else { 20.0 };
+            case.timed(GLOBE_LOAD_FRAME_MAX_WALL_MS, &vec![longest_ms; processes]);
         }
         let run = run.loaded();
         let cases = Cases::of_study(&run, STUDY);
@@ -320,16 +344,76 @@ fn spikes_and_what_is_seen_meanwhile_are_found_of_pairs() {
             said.collect::<String>(),
         )
     };
-    let (standing, said) = found(2.0, 0.0);
-    assert_eq!(standing, [Standing::Holds; 4], "{said}");
+    let right = [0.0, 40.0, 0.0];
+    let (standing, said) = found(2.0, right, 9);
+    assert_eq!(standing, [Standing::Holds; 3], "{said}");
     assert!(
         said.contains("descent, latency 20 ms: 2.00 in the background, 20.0 in the foreground"),
         "{said}"
     );
-    // Negative controls: a longer spike in the background, and a wrong pixel.
-    let (standing, _) = found(30.0, 1.0);
-    let no = Standing::DoesNotHold;
-    assert_eq!(standing, [no, Standing::Holds, no, Standing::Holds]);
+    // Negative controls: a longer frame in the background, a wrong pixel, and bytes at rest.
+    let (standing, _) = found(30.0, [1.0, 40.0, 8.0], 9);
+    assert_eq!(standing, [Standing::DoesNotHold; 3]);
+    // One process says nothing of a longest frame, and flights that lacked nothing say nothing of tiles that come and go.
+    let (standing, _) = found(2.0, [0.0; 3], 1);
+    let open = [Standing::NotMeasured, Standing::Holds, Standing::CannotTell];
+    assert_eq!(standing, open);
+    // What is wrong is wrong nevertheless.
+    let (standing, _) = found(2.0, [1.0, 0.0, 0.0], 9);
+    assert_eq!(standing[0], Standing::DoesNotHold);
+}
+
+#[test]
+fn bytes_that_a_resting_frame_writes_are_found_at_the_queue() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let group = Loadings::planned(SIDE_PX, true, None, &opened());
+        let mut part = LoadingPart {
+            group: &group,
+            context,
+            targets: None,
+            paths: BTreeMap::new(),
+            last: BTreeMap::new(),
+        };
+        let mut flown_with = |sends: bool| {
+            let flight = group.work.flights[0];
+            let flown = part.flown(flight.path).expect("a path");
+            let (course, files) = &*flown;
+            let mut scenes = part.scenes(flight, course).expect("slots");
+            let mut stage = Stage {
+                targets: &part.targets.as_ref().expect("targets")[0],
+                scene: &mut scenes.addresses,
+                beside: None,
+            };
+            let mut calm = 0;
+            let record = fly(
+                course,
+                flight,
+                files,
+                &mut stage,
+                &mut |frame, is_last, held, stage| {
+                    let [_, coarse] = course.pixels(frame, held);
+                    calm += usize::from(frame >= MOVING && coarse == 0);
+                    // A tile that it has, sent once more where no frame says so.
+                    if sends && calm > 1 && !is_last {
+                        let (tile, slot) = held.held().next().expect("a tile");
+                        let number = course.number(tile).expect("a tile");
+                        let texels = addresses(number);
+                        stage.targets.send_texels(stage.scene, slot, &texels);
+                    }
+                    Ok(())
+                },
+            );
+            record.map_err(Failure::reason).expect("flown")
+        };
+        let record = flown_with(false);
+        assert_eq!(of(&steady(&record), GLOBE_LOAD_STEADY_BYTES), 0.0);
+        // Alone at its queue, a flight has the bytes that its frames say.
+        let bytes = |of: fn(&FrameRecord) -> u64| record.frames.iter().map(of).sum::<u64>();
+        assert_eq!(bytes(|frame| frame.bytes), bytes(|frame| frame.queue_bytes));
+        // Negative control.
+        let record = flown_with(true);
+        assert!(of(&steady(&record), GLOBE_LOAD_STEADY_BYTES) >= 4.0 * 256.0 * 256.0);
+    });
 }
 
 #[test]
