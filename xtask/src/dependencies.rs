@@ -55,6 +55,8 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("variant", &["scene", "plan"]),
     ("contract", &["scene", "surface", "plan", "variant"]),
     ("study", &["scene", "contract", "surface"]),
+    ("tiled-globe", &["globe-views"]),
+    ("globes", &["globe-views", "tiled-globe"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];

@@ -6,7 +6,7 @@
 //! refused here. They are a name in quotes where a result is read, a list of nothing but conditions, and the
 //! name of a metric anywhere but where it is declared or given a value.
 
-use crate::source::{crates, quoted, without_comments, without_tests};
+use crate::source::{SourceFile, crates, quoted, without_comments, without_tests};
 use anyhow::{Result, bail};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -57,25 +57,18 @@ struct Literal<'a> {
 }
 
 pub(crate) fn check(root: &Path) -> Result<String> {
-    let studies = crates(root)?.into_iter();
-    let studies = studies.filter(|study| study.name.starts_with("crates/studies/"));
-    let (mut wrong, mut read, mut keys) = (Vec::new(), 0, 0);
-    for study in studies {
-        let files: Vec<(String, &str)> = study
-            .files
-            .iter()
-            .map(|file| {
-                (
-                    format!("{} {}", study.name, file.module.join("::")),
-                    file.text.as_str(),
-                )
-            })
-            .collect();
-        let declared = declared(&files);
-        keys += declared.conditions.len() + declared.metrics.len();
-        read += files.len();
-        wrong.extend(judge(&files, &declared));
-    }
+    let mut studies = crates(root)?;
+    studies.retain(|study| study.name.starts_with("crates/studies/"));
+    // Of all together: a study may be several crates.
+    let files = studies.iter().flat_map(|study| {
+        let of_file = |file: &SourceFile| format!("{} {}", study.name, file.module.join("::"));
+        let files = study.files.iter();
+        files.map(move |file| (of_file(file), file.text.as_str()))
+    });
+    let files: Vec<(String, &str)> = files.collect();
+    let declared = declared(&files);
+    let keys = declared.conditions.len() + declared.metrics.len();
+    let (wrong, read) = (judge(&files, &declared), files.len());
     if keys == 0 {
         bail!("no study declares a condition or a metric: the sources were not read");
     }

@@ -43,12 +43,13 @@ impl std::fmt::Display for ConditionKey {
 ///
 /// - `shared`: names in [`condition`](crate::condition) that other studies have as well; `GLOSSARY.md` explains them
 /// - a condition without a meaning is explained elsewhere: it is a switch, or stands in `GLOSSARY.md`
+/// - one that another crate of the study declares has its name from there: `KEY = other::KEY.name(), "what it is";`
 /// - last: values, and other words of its chapter
 #[macro_export]
 macro_rules! conditions {
     (
         shared $($shared:ident),*;
-        $($key:ident = $name:literal $(, $meaning:literal)?;)*
+        $($key:ident = $name:expr $(, $meaning:literal)?;)*
         $($word:literal = $of_word:literal;)*
     ) => {
         pub(crate) use $crate::condition::{$($shared),*};
@@ -63,14 +64,17 @@ macro_rules! conditions {
     };
 }
 
-/// Declares metrics by the constants with which they are written and read, and `METRICS`, all of them in this order.
+/// Declares metrics by the constants with which they are written and read, and `METRICS`, all of them in this order. With
+/// `pub;` before them, other crates of the study read them too.
 #[macro_export]
 macro_rules! metrics {
-    ($($(#[$said:meta])* $key:ident = $metric:expr;)*) => {
-        $($(#[$said])* pub(crate) const $key: &$crate::Metric = &$metric;)*
-        /// Everything that the study measures.
-        pub(crate) const METRICS: [$crate::Metric; [$(stringify!($key)),*].len()] = [$(*$key),*];
+    (pub; $($metrics:tt)*) => { $crate::metrics! { @pub, $($metrics)* } };
+    (@$vis:vis, $($(#[$said:meta])* $key:ident = $metric:expr;)*) => {
+        $($(#[$said])* $vis const $key: &$crate::Metric = &$metric;)*
+        /// Everything that is measured by these, in this order.
+        $vis const METRICS: [$crate::Metric; [$(stringify!($key)),*].len()] = [$(*$key),*];
     };
+    ($($metrics:tt)*) => { $crate::metrics! { @pub(crate), $($metrics)* } };
 }
 
 /// Declares an enumeration that conditions and tables name, with the name of each variant; with `all`, a list of them too.

@@ -3,9 +3,9 @@
 //! further parts of the study found.
 
 use crate::claims::{self, CLAIMS};
-use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::*;
-use crate::{controllers, counts, made, shading, tiled, wires, zones};
+use crate::{controllers, counts, made, shading, wires, zones};
+use terrafill_globe_views::{DRAW, FRAME, whole};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
 use terrafill_plot::{PointStanding, Upwards};
@@ -69,12 +69,6 @@ impl Chapter for GlobesChapter {
             blocks.extend(of_view(view, cases)?);
         }
         let parts = [
-            tiled::SECTION,
-            tiled::cells::SECTION,
-            tiled::choose::SECTION,
-            tiled::stage::SECTION,
-            tiled::picture::SECTION,
-            tiled::loading::SECTION,
             wires::SECTION,
             made::SECTION,
             counts::SECTION,
@@ -82,7 +76,8 @@ impl Chapter for GlobesChapter {
             controllers::SECTION,
         ];
         let all = Cases::of_study(run, crate::STUDY);
-        for section in parts.iter().chain(&shading::SECTIONS) {
+        let tiled = terrafill_tiled_globe::SECTIONS;
+        for section in tiled.iter().chain(&parts).chain(&shading::SECTIONS) {
             blocks.extend(section.blocks(&all)?);
         }
         for claims in CLAIMS.iter().filter(|_| !all.is_empty()) {

@@ -2,9 +2,10 @@
 //! What the two papers on globes claim, tested by the study's cases, its findings and its page of arithmetic.
 
 use crate::metrics::*;
-use crate::{controllers, counts, made, shading, tiled, zones};
+use crate::{controllers, counts, made, shading, zones};
 use terrafill_lab::{Cases, ClaimedTime, StudyClaims};
 use terrafill_results::{ChapterError, DerivedTable, Finding, Scope};
+use terrafill_tiled_globe::FRAMES_BY_CELLS;
 
 /// Times that claims name.
 const TIMES: &[ClaimedTime] = &[
@@ -59,7 +60,7 @@ const FILES: [&str; 2] = ["claims-globes-spiral.csv", "claims-globes-tiled.csv"]
 /// What sections find that claims rest on.
 fn findings(cases: &Cases<'_>) -> Vec<Finding> {
     let sections = [
-        tiled::cells::SECTION,
+        FRAMES_BY_CELLS,
         made::SECTION,
         counts::SECTION,
         zones::SECTION,
@@ -85,18 +86,18 @@ mod tests {
     use super::*;
     use crate::GlobesStudy;
     use crate::list::List;
-    use crate::opened::Opened;
     use crate::shading::Shadings;
-    use crate::tiled::picture::Pictured;
     use std::rc::Rc;
     use std::sync::Arc;
     use terrafill_fixtures::data;
+    use terrafill_globe_views::Opened;
     use terrafill_lab::REFUSED;
     use terrafill_results::made_up::MadeUpRun;
     use terrafill_scene::MipChain;
     use terrafill_screen_grid::ScreenGridKind;
     use terrafill_spiral::SpiralKind;
     use terrafill_study::{Request, Study as _};
+    use terrafill_tiled_globe::pictured;
 
     #[test]
     fn every_claim_is_tested_by_cases_that_are_planned() {
@@ -108,14 +109,14 @@ mod tests {
         let picture = Arc::new(MipChain::new(2, 1, vec![9; 8]).expect("a picture"));
         let list = List::shipped().expect("a list");
         let opened = Rc::new(Opened::new(study.surfaces));
-        let pictured = Pictured::planned(&list.tiled_view, (8, 1), false, picture, &opened);
+        let pictured = pictured((8, 1), picture, &opened).expect("a group");
         let layers = shading::synthetic_layers();
         let shaded = Shadings::planned(&list, (8, 1), false, layers, &opened);
         let of_plan = |is_planned: fn(&str) -> bool| {
             let mut run = MadeUpRun::default();
             let cases = planned.groups.iter().flat_map(|group| group.cases());
             for case in cases
-                .chain(&pictured.cases)
+                .chain(pictured.cases())
                 .chain(&shaded.cases)
                 .filter(|case| is_planned(case.id.condition("part")))
             {

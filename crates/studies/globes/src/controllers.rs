@@ -13,7 +13,6 @@ pub(crate) use section::SECTION;
 use crate::STUDY;
 use crate::counts::device::PixelCount;
 use crate::metrics::{self, API, CONTROLLER, COUNTED_BY, DELAY, PATH, RULE, SIZE_PX, STEP};
-use crate::sight::fingerprint;
 use device::FanDevice;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,6 +20,7 @@ use rule::{Controller, Counted, Drawn, PER_TURN, Rule, WANTED_PX, radii, stable_
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use terrafill_contract::CpuStopwatch;
+use terrafill_globe_views::fingerprint;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, judged, verified,

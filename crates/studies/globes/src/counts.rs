@@ -10,12 +10,13 @@ mod section;
 pub(crate) use section::{SECTION, why_not_settled};
 
 use crate::STUDY;
-use crate::list::{Eye, List};
+use crate::list::List;
 use crate::metrics::{self, API, COUNTED_BY, DELAY, HYSTERESIS, PATH, SIZE_PX};
 use course::{CountedFrame, Course};
 use device::{Counters, NODE_TEXELS, PixelCount, SIDE_PX};
 use scene::Picture;
 use std::collections::BTreeMap;
+use terrafill_globe_views::Eye;
 use terrafill_maps::{Node, Quadtree, Thresholds};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
@@ -256,8 +257,8 @@ impl Shows for CountPart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::on_device::on_device;
     use scene::ByRays;
+    use terrafill_fixtures::on_device::on_device;
 
     #[test]
     fn devices_count_what_rays_see_and_a_wide_hysteresis_comes_to_rest() {

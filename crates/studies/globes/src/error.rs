@@ -6,22 +6,17 @@
 //! from the pixel's centre after projection is the error in pixels. A texture of a map is interpolated
 //! from the corners of the triangle instead: longitude and Mercator's latitude, which gives a second one.
 
-use crate::list::Eye;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use terrafill_contract::Picture;
 use terrafill_core::Geodetic;
+use terrafill_globe_views::{Eye, shares, sorted};
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::quantile;
-use terrafill_study::Figures;
 use terrafill_surface::SurfaceFrame;
 
 /// Where Mercator's square ends, radians: `atan(sinh π)`.
 const MERCATOR_END_RAD: f64 = 1.484_422_229_745_332_4;
-
-/// How far a triangle's corner may be from where it is, along each axis: a device keeps them in steps of 1/256 px.
-pub(crate) const SNAPPED_PX: f64 = 1.0 / 256.0;
 
 /// Median, 99 % and the largest of something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,22 +35,6 @@ impl Range {
             max: quantile(&values, 1.0)?,
         })
     }
-}
-
-/// For several quantiles of a picture's pixels: what is sorted once is not sorted again by each.
-pub(crate) fn sorted(mut values: Vec<f64>) -> Vec<f64> {
-    values.par_sort_unstable_by(f64::total_cmp);
-    values
-}
-
-/// Figures of a picture's pixels; none of those that nothing has.
-///
-/// - `of`: name, sorted values, share of the pixels that does not exceed it
-pub(crate) fn quantiles(of: &[(&'static str, &Vec<f64>, f64)]) -> Figures {
-    let figures = of.iter();
-    figures
-        .filter_map(|(name, values, share)| Some((*name, quantile(values, *share)?)))
-        .collect()
 }
 
 /// A picture's errors.
@@ -260,25 +239,6 @@ impl MapCorners {
             height_m: 0.0,
         }
     }
-}
-
-/// Shares of a triangle's corners at a point of it.
-pub(crate) fn shares([a, b, c]: [DVec3; 3], point: DVec3) -> [f64; 3] {
-    let normal = (b - a).cross(c - a);
-    let share = |from: DVec3, to: DVec3| {
-        (from - point).cross(to - point).dot(normal) / normal.length_squared()
-    };
-    [share(b, c), share(c, a), share(a, b)]
-}
-
-/// A pixel and those beside it, in an image of so many pixels.
-pub(crate) fn around(pixel: usize, width: usize, count: usize) -> impl Iterator<Item = usize> {
-    let (row, column) = (pixel / width, pixel % width);
-    let rows = row.saturating_sub(1)..(row + 2).min(count / width);
-    rows.flat_map(move |row| {
-        let columns = column.saturating_sub(1)..(column + 2).min(width);
-        columns.map(move |column| row * width + column)
-    })
 }
 
 /// Mercator's y of a latitude, ±π at the ends of its square and beyond.

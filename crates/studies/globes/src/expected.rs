@@ -7,9 +7,10 @@
 //! put together by projecting each pixel's true place raised by `s`.
 
 use crate::error::shift_px;
-use crate::list::{Eye, Formula};
+use crate::list::Formula;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::Geodetic;
+use terrafill_globe_views::Eye;
 use terrafill_reference::SurfaceTriangles;
 
 /// Highest eye for which the formula of the screen grid's map error was found to hold, metres.

@@ -4,35 +4,31 @@
 //! Cases are surfaces through their knobs in a few views. A surface is judged by where its triangles put
 //! each pixel on the body, in `f64`. Beside them stands the bare body, met by a ray for each pixel and judged
 //! by the depth that the device wrote.
+//!
+//! The tiled globe of 2018 is a part of the study with a crate of its own, `terrafill-tiled-globe`. What all parts draw
+//! and time with is `terrafill-globe-views`.
 
 mod api;
 #[cfg(test)]
 mod arithmetic;
-mod canvas;
 mod chapter;
 mod claims;
-mod clock;
 mod controllers;
 mod counts;
+mod cube;
 mod error;
 mod expected;
-mod image;
 mod list;
 mod made;
 mod metrics;
-#[cfg(test)]
-mod on_device;
-mod opened;
 mod projection;
 mod shading;
 mod sight;
 mod study;
-mod tiled;
 mod wires;
 mod zones;
 
 pub use chapter::GlobesChapter;
 pub use study::GlobesStudy;
 
-/// Name of the study.
-pub const STUDY: &str = "globes";
+use terrafill_globe_views::STUDY;

@@ -5,9 +5,9 @@
 //! Flat and hyperbolic maps take longitude and latitude from the place below the eye, in units of the body's radius:
 //! about it, to the east and to the north. What comes out fills −1 … 1.
 
-use crate::list::Eye;
 use glam::{DVec3, DVec4};
 use std::f64::consts::{FRAC_PI_2, TAU};
+use terrafill_globe_views::Eye;
 use terrafill_maps::HALF_RIM;
 pub(crate) use terrafill_maps::{dome, hyperbolic_cartesian, hyperbolic_polar};
 
@@ -71,7 +71,7 @@ mod tests {
     #[test]
     fn every_place_of_every_projection_is_finite() {
         for focus_deg in [[15.0, 20.0], [180.0, -89.0], [0.0, 90.0]] {
-            let row = crate::list::ViewRow {
+            let row = terrafill_globe_views::ViewRow {
                 longitude_deg: focus_deg[0],
                 latitude_deg: focus_deg[1],
                 height_m: 8e6,

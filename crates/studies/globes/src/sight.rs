@@ -3,19 +3,18 @@
 
 use crate::STUDY;
 use crate::api::RAYS;
-use crate::canvas::no_triangles;
-use crate::clock::FrameWatch;
-use crate::error::{Errors, around, of_depth, of_frame};
+use crate::error::{Errors, of_depth, of_frame};
 use crate::expected::{Expected, expected};
-use crate::list::{Eye, SurfaceRow, ViewRow, number};
+use crate::list::{SurfaceRow, number};
 use crate::metrics::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
-use crate::opened::Opened;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Picture, SurfaceInterface, SurfaceTargets, ViewConstants};
+use terrafill_globe_views::{
+    Eye, FrameWatch, OTHER_TRIANGLES, Opened, ViewRow, around, fingerprint, no_triangles,
+};
 use terrafill_gpu::RayCast;
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, verified};
@@ -300,18 +299,6 @@ impl Shows for SightPart<'_> {
         }
         Ok(values)
     }
-}
-
-/// Why a case whose [`fingerprint`] has changed is not timed.
-pub(crate) const OTHER_TRIANGLES: &str = "it made other triangles than when it was verified";
-
-/// Hash of what a device reads or writes.
-pub(crate) fn fingerprint(parts: &[&[u8]]) -> String {
-    let mut hasher = DefaultHasher::new();
-    for part in parts {
-        hasher.write(part);
-    }
-    format!("{:016x}", hasher.finish())
 }
 
 fn of_triangles(frame: &SurfaceFrame) -> String {

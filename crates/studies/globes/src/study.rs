@@ -3,22 +3,16 @@
 
 use crate::controllers::Controllers;
 use crate::counts::Counts;
-use crate::list::{List, ViewRow};
+use crate::list::List;
 use crate::made::{MadeGlobes, height_fields};
 use crate::metrics::METRICS;
-use crate::opened::Opened;
 use crate::shading::{self, Shadings};
 use crate::sight::{SurfacesView, works};
-use crate::tiled::loading::Loadings;
-use crate::tiled::options::Options;
-use crate::tiled::picture::{self, Pictured};
-use crate::tiled::stage::Stages;
-use crate::tiled::{self, Tiled, cells};
 use crate::wires::Wires;
 use crate::zones::Zones;
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
-use std::sync::Arc;
+use terrafill_globe_views::{Opened, ViewRow, left_out, no_kind};
 use terrafill_results::Skipped;
 use terrafill_study::{Depth, Group, Planned, Request, Study, StudyError};
 use terrafill_surface::SurfaceKind;
@@ -51,13 +45,6 @@ impl Study for GlobesStudy {
         let list = List::shipped().map_err(StudyError::BadInput)?;
         let is_quick = request.depth == Depth::Quick;
         let is_planned = |view: &&ViewRow| view.is_planned(request.depth);
-        let left_out = |what: &str, reason| Skipped {
-            what: format!("{STUDY}/{what}"),
-            reason,
-        };
-        let no_kind = |what: &str, kind: &str| {
-            left_out(what, format!("there is no surface of the kind {kind:?}"))
-        };
         let opened = Rc::new(Opened::new(self.surfaces));
         let rows = list.surface.iter().cloned();
         let (rows, without): (Vec<_>, Vec<_>) = rows.partition(|row| opened.has(&row.kind));
@@ -72,38 +59,10 @@ impl Study for GlobesStudy {
             groups.push(Box::new(surfaces));
         }
         groups.push(Box::new(Wires::planned(&list.view, &rows, sizes, &opened)));
-        if opened.has(tiled::KIND) {
-            for view in list.tiled_view.iter().filter(is_planned) {
-                let options = Options::of_view(request.depth);
-                groups.push(Box::new(Tiled::planned(view, sizes, options, &opened)));
-                if view.all_cells {
-                    groups.push(Box::new(cells::planned(view, sizes, &opened)));
-                }
-                if view.chosen {
-                    groups.push(Box::new(cells::choosing(view, sizes, &opened)));
-                }
-                groups.push(Box::new(Stages::planned(view, sizes, &opened)));
-            }
-            groups.push(Box::new(Loadings::planned(
-                sizes.0, is_quick, None, &opened,
-            )));
-            match picture::blue_marble(request.data_dir.as_deref()) {
-                Ok((of_earth, read)) => {
-                    inputs.extend(read);
-                    if !is_quick {
-                        let named = Some((Arc::clone(&of_earth), picture::SCENE));
-                        let loaded = Loadings::planned(sizes.0, is_quick, named, &opened);
-                        groups.push(Box::new(loaded));
-                    }
-                    let views = &list.tiled_view;
-                    let pictured = Pictured::planned(views, sizes, is_quick, of_earth, &opened);
-                    groups.push(Box::new(pictured));
-                }
-                Err(reason) => skipped.push(left_out(picture::PART, reason)),
-            }
-        } else {
-            skipped.push(no_kind(tiled::PART, tiled::KIND));
-        }
+        let tiled = terrafill_tiled_globe::planned(request, sizes, &opened)?;
+        groups.extend(tiled.groups);
+        skipped.extend(tiled.skipped);
+        inputs.extend(tiled.inputs);
         match shading::layers(&opened, request.data_dir.as_deref()) {
             Ok((layers, read)) => {
                 inputs.extend(read);

@@ -3,17 +3,17 @@
 //! is held to its triangle's corners in `f64`, both ways.
 
 use crate::STUDY;
-use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants, written};
-use crate::clock::{DRAW, FrameWatch};
-use crate::image::write_png;
-use crate::list::{Eye, SurfaceRow, ViewRow, number};
+use crate::list::{SurfaceRow, number};
 use crate::metrics::{self, *};
-use crate::opened::Opened;
-use crate::sight::{Chosen, fingerprint};
+use crate::sight::Chosen;
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use terrafill_contract::{DeviceError, ViewConstants};
+use terrafill_globe_views::{
+    Canvas, DRAW, Eye, FrameWatch, Opened, Stages, ViewRow, fingerprint, uniform, vertices,
+    view_constants, write_png, written,
+};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::{Case, CaseId, Finding, PlannedCase, Verdict};
 use terrafill_study::{

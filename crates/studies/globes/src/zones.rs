@@ -12,11 +12,11 @@ pub(crate) use section::SECTION;
 use crate::STUDY;
 use crate::counts::course::{CountedFrame, Course};
 use crate::counts::device::{Counters, PixelCount, SIDE_PX};
-use crate::list::{Eye, ViewRow};
 use crate::metrics::{self, API, COUNTED_BY, HYSTERESIS, SIZE_PX, SPIKE_M};
 use field::{COARSE_TRIANGLES, FINEST, Field, Levels, ZONES, node, number};
 use rule::ZoneRule;
 use std::collections::BTreeMap;
+use terrafill_globe_views::{Eye, ViewRow};
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, judged, verified,
@@ -252,7 +252,7 @@ impl Shows for ZonePart<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::on_device::on_device;
+    use terrafill_fixtures::on_device::on_device;
 
     #[test]
     fn spikes_let_zones_cycle_and_a_wide_hysteresis_stops_them() {

@@ -9,11 +9,10 @@
 
 use super::{numbers, table};
 use crate::error::MapCorners;
-use crate::list::{Eye, ViewRow};
-use crate::opened::Opened;
 use glam::DVec3;
 use std::f64::consts::{SQRT_2, TAU};
 use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_globe_views::{Eye, Opened, ViewRow};
 use terrafill_maps::{MapPoint, half_plane_crossings};
 use terrafill_plot::number::significant;
 use terrafill_reference::SurfaceTriangles;

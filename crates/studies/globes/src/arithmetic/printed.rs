@@ -3,9 +3,8 @@
 
 use super::{numbers, table};
 use crate::shading::TABLE_3;
-use crate::tiled::cells::line::{Line, line};
-use crate::tiled::cells::{PUBLISHED_FPS, published};
 use terrafill_plot::number::significant;
+use terrafill_tiled_globe::{Line, PUBLISHED_FPS, line, published};
 
 /// Window, triangles; milliseconds of GPU and CPU and what is called idle, per cent, with the full shader and with
 /// a white one.

@@ -3,10 +3,9 @@
 //! each law of radii needs.
 
 use super::table;
-use crate::list::{Eye, ViewRow};
-use crate::opened::Opened;
 use glam::DVec3;
 use std::sync::Arc;
+use terrafill_globe_views::{Eye, Opened, ViewRow};
 use terrafill_plot::number::significant;
 use terrafill_spiral::SpiralKind;
 use terrafill_surface::{Surface, SurfaceFrame, SurfaceKind};

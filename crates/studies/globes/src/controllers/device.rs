@@ -5,12 +5,12 @@
 
 use super::rule::{Counted, Drawn, PER_TURN};
 use super::view::{SIDE_PX, View, stored};
-use crate::canvas::{Canvas, Stages, uniform, view_constants};
 use crate::counts::device::{Histogram, PixelCount};
 use crate::made::device::SpiralConstants;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, Devices, ViewConstants};
+use terrafill_globe_views::{Canvas, Stages, uniform, view_constants};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Measured, PrimitiveStages, Resource,

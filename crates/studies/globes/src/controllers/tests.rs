@@ -2,7 +2,7 @@
 //! Controllers on devices, with counts that are wrong and counts of another case.
 
 use super::*;
-use crate::on_device::on_device;
+use terrafill_fixtures::on_device::on_device;
 
 fn work(way: PixelCount, rises: bool, (rule, step): (Rule, f64), delay: usize) -> Work {
     Work {

@@ -3,12 +3,11 @@
 //! stored vertices, in `f64`.
 
 use super::rule::{Counted, Drawn, Limits, PER_TURN, WANTED_PX};
-use crate::error::SNAPPED_PX;
-use crate::list::{Eye, ViewRow};
 use crate::made::spiral::{Law, Spiral, number_of, per_octave, stored_radius};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
+use terrafill_globe_views::{Eye, SNAPPED_PX, ViewRow};
 use terrafill_reference::SurfaceTriangles;
 
 /// Pixels a side.

@@ -2,9 +2,8 @@
 //! What a loop of level of detail by counted pixels did, frame by frame.
 
 use super::scene::{ByRays, NodeVertices};
-use crate::list::Eye;
-use crate::sight::fingerprint;
 use std::collections::BTreeMap;
+use terrafill_globe_views::{Eye, fingerprint};
 use terrafill_lab::Cases;
 use terrafill_maps::Node;
 use terrafill_plot::Courses;

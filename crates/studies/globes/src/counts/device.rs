@@ -3,13 +3,12 @@
 //! and a histogram. WebGPU's queries say no more than zero or not.
 
 use super::scene::NodeVertices;
-use crate::canvas::{Canvas, Stages, uniform, vertices, view_constants};
-use crate::list::Eye;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, ViewConstants};
+use terrafill_globe_views::{Canvas, Eye, Stages, uniform, vertices, view_constants};
 use terrafill_gpu::{Gpu, read_buffer};
 use terrafill_maps::Node;
 use terrafill_scene::ImageSize;

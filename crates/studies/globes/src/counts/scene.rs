@@ -3,13 +3,11 @@
 //!
 //! A node draws its whole area as 10 × 10 sub-quads, as Gebbie and Bailey's decals do.
 
-use crate::canvas::no_triangles;
-use crate::error::around;
-use crate::list::Eye;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use terrafill_core::Geodetic;
+use terrafill_globe_views::{Eye, around, no_triangles};
 use terrafill_maps::Node;
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;

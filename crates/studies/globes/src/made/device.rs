@@ -3,15 +3,14 @@
 
 use super::spiral::{Law, Lookup, Relief, Source, Spiral};
 use super::stored::{DrawnRange, StoredSpiral};
-use crate::canvas::{
-    Canvas, Stages, texture, uniform, vertices, view_constants, write_layers, written,
-};
-use crate::list::Eye;
 use bytemuck::{Pod, Zeroable};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, ViewConstants};
 use terrafill_core::nearest_f32;
+use terrafill_globe_views::{
+    Canvas, Eye, Stages, texture, uniform, vertices, view_constants, write_layers, written,
+};
 use terrafill_gpu::{Gpu, read_buffer};
 use terrafill_scene::ImageSize;
 

@@ -4,7 +4,7 @@
 //! A face has a sample on each of its corners and edges, so that neighbours share those and bilinear heights are
 //! continuous all over the body. Directions are those of scaled space, in which the body is a sphere.
 
-use crate::canvas::{along_face, face_of, on_cube};
+use crate::cube::{along_face, face_of, on_cube};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 //! The section on vertices made on the GPU, and on the paper's static buffer.
 
 use super::{ALLOWED_PX, PART};
-use crate::clock::{DRAW, FRAME, whole};
 use crate::metrics::{self, *};
+use terrafill_globe_views::{DRAW, FRAME, whole};
 use terrafill_lab::{Cases, Column, Comparison, Follows, Names, Section, Select, finding};
 use terrafill_plot::number::significant;
 use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Scope};

@@ -2,10 +2,10 @@
 //! The spiral in `f64`, which `globes/spiral.wgsl` follows in `f32`.
 
 use super::heights::HeightCube;
-use crate::list::Eye;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, LN_2, TAU};
 use std::sync::Arc;
+use terrafill_globe_views::Eye;
 
 /// Radius of the fan, pixels, and of the inner circle at most.
 const FAN_PX: f64 = 50.0;

@@ -2,7 +2,7 @@
 //! Vertices made by a device, and the judge without one.
 
 use super::*;
-use crate::on_device::{on_device, verdict};
+use terrafill_fixtures::on_device::{on_device, verdict};
 use terrafill_results::Status;
 use terrafill_spiral::SpiralKind;
 use terrafill_study::Group as _;

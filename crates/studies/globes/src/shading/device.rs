@@ -4,8 +4,6 @@
 use super::layers::Lights;
 use super::texels::{Pictures, Texels};
 use super::way::Shading;
-use crate::canvas::{self, Canvas, Stages, texture, uniform, view_constants, write_layers};
-use crate::list::Eye;
 use crate::made::device::SpiralConstants;
 use crate::made::spiral::Spiral;
 use crate::made::stored::{DrawnRange, StoredSpiral};
@@ -14,6 +12,9 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use terrafill_contract::{DeviceError, ViewConstants};
 use terrafill_core::nearest_f32;
+use terrafill_globe_views::{
+    Canvas, Eye, Stages, texture, uniform, vertices, view_constants, write_layers,
+};
 use terrafill_gpu::Gpu;
 use terrafill_scene::ImageSize;
 
@@ -241,7 +242,7 @@ impl LayerTargets {
             module: &module,
             entry_points: [entry_point, "fragment_main"],
             constants: &constants,
-            buffers: &[canvas::vertices(attributes)],
+            buffers: &[vertices(attributes)],
         };
         let pipeline = self.canvas.pipeline("layers", &self.layout, &stages);
         let indices = triangles.as_flattened();

@@ -3,12 +3,11 @@
 
 use super::device::{Geometry, LayerVertex};
 use super::judge::{Met, foot, normal};
-use crate::canvas::no_triangles;
-use crate::list::Eye;
 use crate::made::spiral::Spiral;
 use crate::projection::Projection;
 use glam::DVec3;
 use std::sync::Arc;
+use terrafill_globe_views::{Eye, no_triangles};
 use terrafill_surface::SurfaceFrame;
 
 /// What a frame draws.

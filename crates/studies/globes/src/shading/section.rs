@@ -3,10 +3,10 @@
 //! pixels.
 
 use super::{PART, is_of, tessellation};
-use crate::clock::{DRAW, compared_in, draw, whole};
 use crate::metrics::{self, *};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
+use terrafill_globe_views::{DRAW, compared_in, draw, whole};
 use terrafill_lab::{Answer, Cases, Column, Names, Section, Select, finding, measured};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{

@@ -3,11 +3,11 @@
 //! the paper's preprocessing has it. Directions are geodetic normals along ECEF axes.
 
 use super::way::{KIND, Layer};
-use crate::opened::Opened;
 use glam::DVec3;
 use image::DynamicImage;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
+use terrafill_globe_views::Opened;
 use terrafill_results::RunInput;
 use terrafill_scene::Scene;
 use terrafill_study::files_read;

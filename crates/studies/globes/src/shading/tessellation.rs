@@ -4,8 +4,8 @@
 
 use super::is_of;
 use super::work::REMOVED;
-use crate::clock::{DRAW, compared_in, draw};
 use crate::metrics::{self, CELLS, GLOBE_DRAW_CPU_MS, GLOBE_DRAW_GPU_MS, GLOBE_TRIANGLES, SIZE_PX};
+use terrafill_globe_views::{DRAW, compared_in, draw};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, Select};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{Case, Claim, Finding, Scope, ratio};

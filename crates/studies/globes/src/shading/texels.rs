@@ -4,7 +4,7 @@
 
 use super::sources::{Picture, Sources, byte, uv};
 use super::way::{Layer, Shading};
-use crate::canvas::{along_face, face_of, on_cube};
+use crate::cube::{along_face, face_of, on_cube};
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 use super::*;
 use crate::list::List;
-use crate::on_device::{on_device, verdict};
+use terrafill_fixtures::on_device::{on_device, verdict};
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_spiral::SpiralKind;

@@ -5,10 +5,10 @@
 //! Zones share the vertices of their edges: those that the coarser of two zones does not have lie on its edges.
 
 use crate::counts::scene::NodeVertices;
-use crate::list::Eye;
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_globe_views::Eye;
 use terrafill_maps::Node;
 
 /// Zones along a side of the field.

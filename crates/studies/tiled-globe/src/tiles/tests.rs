@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Tiles on a device, and the judge without one.
+
+use super::*;
+use crate::options::{Drawing, Seam};
+use crate::truth::{Texel, Tile, WrappedPoint};
+use crate::views::tiled_view;
+use terrafill_fixtures::on_device::{self, figure, on_device};
+use terrafill_results::Status;
+use terrafill_screen_grid::ScreenGridKind;
+use terrafill_study::Group as _;
+use terrafill_surface::SurfaceKind;
+
+const KINDS: &[&dyn SurfaceKind] = &[&ScreenGridKind];
+
+/// Verdicts of a view's ways; `None` without a device.
+fn verdicts(name: &str, side_px: u32, options: Vec<Options>) -> Option<Vec<Verdict>> {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let opened = Rc::new(Opened::new(KINDS));
+        let tiled = Tiled::planned(&tiled_view(name), (side_px, 1), options, &opened);
+        let mut session = tiled.open(context).expect("opens");
+        let options = tiled.work.options.iter().enumerate();
+        let verdicts = options.map(|(case, options)| {
+            let verdict = on_device::verdict(&mut *session, case, options);
+            if verdict.status == Status::Ok {
+                assert!(session.time(case).is_ok());
+            }
+            verdict
+        });
+        verdicts.collect()
+    })
+}
+
+#[test]
+fn every_pixel_of_a_globe_shows_its_texel_and_the_seam_is_kept() {
+    let base = Options::BASE;
+    let drawings = [
+        Drawing::Array,
+        Drawing::DrawEach,
+        Drawing::Bindless,
+        Drawing::Atlas,
+    ];
+    let mut options: Vec<Options> = drawings.map(|drawing| Options { drawing, ..base }).into();
+    options.extend([Seam::Rotated, Seam::Local].map(|seam| Options { seam, ..base }));
+    options.extend([
+        Options {
+            by_fragment: true,
+            ..base
+        },
+        Options {
+            one_level: Some(0),
+            ..base
+        },
+        Options {
+            seam: Seam::None,
+            ..base
+        },
+    ]);
+    let Some(all) = verdicts("globe-antimeridian", 200, options) else {
+        return;
+    };
+    for (at, verdict) in all[..8].iter().enumerate() {
+        // A device without freely indexed arrays of textures says so.
+        if at == 2 && verdict.status == Status::Skipped {
+            assert!(verdict.reason.contains("arrays of textures"));
+            continue;
+        }
+        assert_eq!(verdict.status, Status::Ok, "{}", verdict.reason);
+        assert!(figure(verdict, "globe_tile_seam_px") > 100.0);
+        assert_eq!(figure(verdict, "globe_tile_missing_px"), 0.0);
+        // f32 of a map of some thousand texels.
+        assert!(figure(verdict, "globe_tile_texels_max") < 0.05);
+    }
+    // The body's own texels are farther off: the grid is coarse.
+    assert!(figure(&all[0], "globe_tile_true_texels_max") > 1.0);
+    // Finer texels at the limb, where the grid is farthest off.
+    let worst = |at: usize| figure(&all[at], "globe_tile_true_texels_max");
+    assert!(worst(7) > 2.0 * worst(0));
+    assert_eq!(
+        figure(&all[1], "globe_tile_draws"),
+        figure(&all[1], "globe_tile_count")
+    );
+    // Negative control: with nothing done about the seam, pixels beside it are wrong.
+    let never = &all[8];
+    assert_eq!(never.status, Status::Wrong, "{}", never.reason);
+    assert_eq!(
+        figure(never, "globe_tile_missed"),
+        figure(never, "globe_tile_crossing")
+    );
+}
+
+#[test]
+fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
+    let base = Options::BASE;
+    let options = [Seam::Local, base.seam].map(|seam| Options {
+        seam,
+        n: 40,
+        ..base
+    });
+    let Some(all) = verdicts("ground-1.7m", 100, options.into()) else {
+        return;
+    };
+    let [local, absolute] = [0, 1].map(|at| figure(&all[at], "globe_tile_texels_p99"));
+    assert!(local < 0.5, "{local}");
+    // Negative control: by an absolute U the ground is a metre off.
+    assert!(absolute > 10.0, "{absolute}");
+}
+
+#[test]
+fn a_texel_beside_the_right_one_is_found_wrong() {
+    let place = WrappedPoint {
+        u: 1.0 + 0.25 / 256.0,
+        mercator_vs: [10.5 / 256.0, 20.5 / 256.0],
+        cap: None,
+    };
+    let texel = |x, y| Texel {
+        tile: Tile::Map {
+            level: 0,
+            row: 0,
+            column: 0,
+        },
+        x,
+        y,
+    };
+    // Round the map, and by the vertex or by the fragment.
+    assert_eq!(off_texels(texel(0, 10), &place, false), 0.0);
+    assert_eq!(off_texels(texel(0, 20), &place, true), 0.0);
+    assert!((off_texels(texel(255, 10), &place, false) - 0.25).abs() < 1e-9);
+    assert!((off_texels(texel(2, 10), &place, false) - 1.75).abs() < 1e-9);
+    assert!((off_texels(texel(0, 20), &place, false) - 9.5).abs() < 1e-9);
+    // A pixel without a texel counts as wrong beside the seam.
+    let truth = Truth {
+        drawn: place,
+        body: None,
+        levels: [0; 2],
+        is_at_seam: true,
+        holds_pole: false,
+        snapped: 0.0,
+        is_at_outline: false,
+    };
+    let all = BTreeSet::from([texel(0, 10).tile]);
+    let found = |shown| judge(&[Some(truth)], &[shown], &Options::BASE, &all);
+    assert_eq!(found(Shown::Missing).wrong_px, 1);
+    assert_eq!(found(Shown::Texel(texel(0, 10))).wrong_px, 0);
+    // Seen along its plane, a triangle shows what its corners' rounding moves there.
+    let steep = Truth {
+        snapped: 2.0 / 256.0,
+        ..truth
+    };
+    let beside = |truth, x| {
+        let shown = [Shown::Texel(texel(x, 10))];
+        judge(&[Some(truth)], &shown, &Options::BASE, &all).wrong_px
+    };
+    assert_eq!(
+        (beside(truth, 2), beside(steep, 2), beside(steep, 4)),
+        (1, 0, 1)
+    );
+    let outer = Truth {
+        is_at_outline: true,
+        ..truth
+    };
+    assert_eq!(beside(outer, 2), 0);
+    // A pixel whose tile is not at hand cannot show it.
+    let without = judge(
+        &[Some(truth)],
+        &[Shown::Missing],
+        &Options::BASE,
+        &BTreeSet::new(),
+    );
+    assert_eq!((without.wrong_px, without.missing_px), (0, 1));
+    assert_eq!(found(Shown::Missing).seam_wrong_px, 1);
+    assert_eq!(found(Shown::Texel(texel(0, 10))).seam_wrong_px, 0);
+    assert_eq!(found(Shown::Texel(texel(2, 10))).seam_wrong_px, 1);
+}
+
+#[test]
+fn coarse_grids_over_the_whole_globe_show_no_wrong_texel() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let opened = Rc::new(Opened::new(KINDS));
+        let options = [2, 5].map(|n| Options { n, ..Options::BASE });
+        let part = ("cells", TilesOf::Body);
+        let view = tiled_view("globe");
+        let tiled = Tiled::of_part(part, &view, (640, 1), options.into(), &opened);
+        let mut session = tiled.open(context).expect("opens");
+        for (case, options) in tiled.work.options.iter().enumerate() {
+            let verdict = on_device::verdict(&mut *session, case, options);
+            assert!(figure(&verdict, "globe_tile_px") > 10_000.0);
+            assert_eq!(figure(&verdict, "globe_tile_wrong_px"), 0.0);
+        }
+    });
+}
