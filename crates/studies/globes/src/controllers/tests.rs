@@ -61,8 +61,10 @@ fn loops_on_devices_swing_rest_and_fall_behind() {
             // Corners go bare in turn; while the eye rises they grow with slow steps, and hover with fast ones.
             let share = of(false, slow, 1, "globe_bare_share");
             assert!(share > Some(0.0) && share < Some(1.0), "{share:?}");
-            let growth = [slow, fast].map(|rule| of(true, rule, 1, "globe_bare_growth"));
-            assert!(growth[0] > Some(2.0) && growth[1] < Some(1.5), "{growth:?}");
+            for delay in DELAYS {
+                let growth = [slow, fast].map(|rule| of(true, rule, delay, "globe_bare_growth"));
+                assert!(growth[0] > Some(2.0) && growth[1] < Some(1.5), "{growth:?}");
+            }
             let closed = (Rule::Closed, 0.0);
             assert_eq!(of(true, closed, 1, "globe_bare_px"), Some(0.0));
             // What an eye at rest needs is there; one that rises sends constants.
