@@ -43,9 +43,10 @@ pub(crate) struct Chosen {
 }
 
 impl Chosen {
-    /// The first value of a depth; `None` where it has none.
-    pub(crate) fn first(row: &SurfaceRow, depth: Depth) -> Option<Self> {
-        let value = row.values(depth).into_iter().next()?;
+    /// The first of a quick run's values, or of all where that has none.
+    pub(crate) fn first(row: &SurfaceRow) -> Option<Self> {
+        let of = |depth| row.values(depth).into_iter().next();
+        let value = of(Depth::Quick).or_else(|| of(Depth::Full))?;
         let row = row.clone();
         Some(Self { row, value })
     }

@@ -16,9 +16,7 @@ use terrafill_globe_views::{
 };
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::{Case, CaseId, Finding, PlannedCase, Verdict};
-use terrafill_study::{
-    CaseGroup, Context, Depth, Failure, Figures, JudgedOnce, Shows, judged, verified,
-};
+use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 use terrafill_surface::SurfaceFrame;
 
 /// Name of this part in cases.
@@ -36,10 +34,11 @@ const CONTROL_SHARE: f64 = 0.01;
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Surfaces by their edges",
-    text: "Edges of the triangles that face the eye, as lines: where a surface spends its triangles, at each one's coarsest \
-           knob. A lit pixel lies at most a pixel from a line in f64, and each line of two pixels or more lights a pixel \
-           at its middle. A picture moved by a few pixels must be found by that. The spiral's radius grows exponentially, \
-           or by the paper's correction; where its step does not divide a turn, corners of neighbouring turns do not meet.",
+    text: "Edges of the triangles that face the eye, as lines: where a surface spends its triangles, at one value of its \
+           knob. A lit pixel lies at most a pixel from a line in f64, and each line of two pixels or more lights a \
+           pixel at its middle. A picture moved by a few pixels must be found by that. The spiral's radius grows \
+           exponentially, or by the paper's correction. Where its step does not divide a turn, corners of neighbouring \
+           turns do not meet.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("view", VIEW),
@@ -78,7 +77,7 @@ fn exact(cases: &Cases<'_>) -> Finding {
     )
 }
 
-/// A surface with its coarsest knob in a view.
+/// A surface with a value of its knob, in a view.
 struct Work {
     view: ViewRow,
     surface: Chosen,
@@ -101,9 +100,8 @@ impl Wires {
         let views = views
             .iter()
             .filter(|view| VIEWS.contains(&view.name.as_str()));
-        let coarsest = |row: &SurfaceRow| Chosen::first(row, Depth::Quick);
         let works = views.flat_map(|view| {
-            let surfaces = rows.iter().filter_map(coarsest);
+            let surfaces = rows.iter().filter_map(Chosen::first);
             surfaces.map(|surface| Work {
                 view: view.clone(),
                 surface,

@@ -34,7 +34,7 @@ fn a_line_less_and_a_pixel_more_are_noticed() {
     let size = [SIDE; 2];
     let right = judge(size, &lines, &both);
     assert_eq!((right.beyond, right.missing), (0, 0), "{right:?}");
-    assert!(right.control > right.lit / 2, "{right:?}");
+    assert!(right.control > right.lit / 4, "{right:?}");
     assert_eq!(judge(size, &lines, &first).missing, 1);
     assert!(judge(size, &lines[..1], &both).beyond > 20);
     let mut one_more = both;
@@ -53,7 +53,7 @@ fn every_surface_shows_its_edges_and_no_others() {
         .cloned()
         .collect();
     let group = Wires::planned(&list.view, &rows, (200, 1), &opened);
-    assert!(group.cases.len() >= 2 * rows.len(), "{}", group.cases.len());
+    assert_eq!(group.cases.len(), 2 * rows.len());
     on_device(terrafill_gpu::shared_gpu, |context| {
         let mut session = (group.open)(&group, context).expect("opens");
         for (case, planned) in group.cases.iter().enumerate() {
