@@ -63,6 +63,8 @@ pub(super) struct Met {
     facets: Vec<Option<Facet>>,
     /// How far corners may be from where they are, pixels.
     off_px: f64,
+    /// In perspective, for rays beside a pixel's middle.
+    triangles: Option<SurfaceTriangles>,
 }
 
 /// A triangle as a pixel shows it.
@@ -85,6 +87,7 @@ impl Met {
         Self {
             facets,
             off_px: SNAPPED_PX,
+            triangles: Some(triangles),
         }
     }
 
@@ -127,7 +130,21 @@ impl Met {
         Self {
             facets,
             off_px: SNAPPED_PX + ATAN2_RAD * 0.5 * size.y * steepest(projection),
+            triangles: None,
         }
+    }
+
+    /// The triangle beyond an edge that a ray meets where it leaves `facet`. At the outline it may be far steeper.
+    ///
+    /// - `place`, `direction`: in the picture, pixels, and of the ray
+    fn beyond(&self, eye: &Eye, facet: Facet, place: [f64; 2], direction: DVec3) -> Option<Facet> {
+        let triangles = self.triangles.as_ref()?;
+        let mut shares = facet.shares(place, direction).into_iter();
+        if shares.all(|share| share >= 0.0) {
+            return None;
+        }
+        let (_, corners) = triangles.hit_facet(direction, eye.camera.near_m)?;
+        Some(Facet::Seen(corners))
     }
 
     /// How far from its centre, in pixels, `f64` puts what a pixel shows: triangles are flat, and projections are not.
@@ -183,19 +200,25 @@ impl Facet {
         }
     }
 
+    /// Shares of corners at a place in the picture, negative ones beyond an edge.
+    ///
+    /// - `place`, `direction`: in the picture, pixels, and of the ray
+    fn shares(self, place: [f64; 2], direction: DVec3) -> [f64; 3] {
+        match self {
+            Self::Seen(corners) => {
+                let [a, b, c] = corners;
+                let out = (b - a).cross(c - a);
+                shares(corners, direction * (a.dot(out) / direction.dot(out)))
+            }
+            Self::OnMap(at, _) => on_map(at, place.into()),
+        }
+    }
+
     /// What a place in the picture shows of it: normal and direction to the eye are interpolated as the device does.
     ///
     /// - `centre`, `direction`: of the place, pixels, and of its ray
     fn fragment(self, normals: [DVec3; 3], centre: [f64; 2], direction: DVec3) -> Fragment {
-        let (shares, corners) = match self {
-            Self::Seen(corners) => {
-                let [a, b, c] = corners;
-                let out = (b - a).cross(c - a);
-                let at = direction * (a.dot(out) / direction.dot(out));
-                (shares(corners, at), corners)
-            }
-            Self::OnMap(at, corners) => (on_map(at, centre.into()), corners),
-        };
+        let (corners, shares) = (self.corners(), self.shares(centre, direction));
         let mixed = |of: [DVec3; 3]| {
             let terms = of.iter().zip(shares);
             terms.fold(DVec3::ZERO, |sum, (of, share)| sum + *of * share)
@@ -297,14 +320,14 @@ pub(super) fn judge(
         for way in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
             let beside = [0, 1].map(|axis| centre[axis] + met.off_px * way[axis]);
             let direction = eye.camera.direction_ecef(eye.size, beside);
-            let beside = shade(
-                lights,
-                shading,
-                facet.fragment(normals, beside, direction),
-                sampled,
-            );
-            doubt = doubt.max(beside.doubt);
-            (least, most) = (least.min(beside.colour), most.max(beside.colour));
+            let beyond = met.beyond(eye, facet, beside, direction);
+            for facet in std::iter::once(facet).chain(beyond) {
+                let normals = facet.corners().map(|corner| normal(eye, corner));
+                let fragment = facet.fragment(normals, beside, direction);
+                let beside = shade(lights, shading, fragment, sampled);
+                doubt = doubt.max(beside.doubt);
+                (least, most) = (least.min(beside.colour), most.max(beside.colour));
+            }
         }
         let allowed = Allowed {
             least: least - doubt,
@@ -375,5 +398,45 @@ pub(super) fn bytes(colour: [f32; 4]) -> [u8; 3] {
         [255, 0, 255]
     } else {
         [0, 1, 2].map(|i| (255.0 * colour[i].clamp(0.0, 1.0)).round() as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::list::List;
+    use terrafill_globe_views::no_triangles;
+
+    #[test]
+    fn beyond_an_edge_a_ray_meets_the_next_triangle() {
+        let list = List::shipped().expect("a list");
+        let eye = list.view("globe").expect("a view").eye(64);
+        let ray = |place| eye.camera.direction_ecef(eye.size, place);
+        let corner = |place, by: f64| (ray(place) * by).as_vec3().to_array();
+        let [above, below] = [[10.0, 10.0], [10.0, 50.0]].map(|at| corner(at, 2e6));
+        let (flat, steep) = (corner([40.0, 30.0], 2e6), corner([2.0, 30.0], 8e6));
+        let met = Met::new(
+            &eye,
+            &SurfaceFrame {
+                vertices_rte: [above, below, flat, steep].into(),
+                triangles: [[0, 1, 2], [0, 3, 1]].into(),
+                ..no_triangles()
+            },
+        );
+        let facet = |at: [f64; 2]| {
+            let triangles = met.triangles.as_ref().expect("in perspective");
+            let (_, corners) = triangles.hit_facet(ray(at), 1.0).expect("met");
+            Facet::Seen(corners)
+        };
+        let beyond = |at: [f64; 2]| {
+            let facet = met.beyond(&eye, facet([10.001, 30.0]), at, ray(at))?;
+            Some(facet.corners())
+        };
+        let left = [10.001 - SNAPPED_PX, 30.0];
+        assert_eq!(beyond(left), Some(facet(left).corners()));
+        assert_ne!(beyond(left), Some(facet([10.001, 30.0]).corners()));
+        // Negative controls: on its own side, and where nothing is met.
+        assert_eq!(beyond([10.001 + SNAPPED_PX, 30.0]), None);
+        assert_eq!(beyond([60.0, 30.0]), None);
     }
 }
