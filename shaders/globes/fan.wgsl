@@ -1,8 +1,8 @@
 // The spiral's fan and its turns, drawn from one static buffer by draw arguments alone, so that the pixels of each are
 // counted apart (Gebbie and Bailey, occlusion queries). One vertex invocation places a corner of the triangle that its
-// number says. Of every stored vertex there are, in this order: its triangle of a fan, the one that closes a fan that
-// it begins, the one that begins the turns about that fan, and two between its turn and the next. One fragment writes
-// what its triangle is of, or colours it. Metres from the eye, ECEF axes.
+// number says. Every stored vertex has five triangles. First come its own of a fan, and the one that closes a fan that it
+// begins. Then come the one that begins the turns about that fan, and two between its turn and the next. One fragment
+// writes what its triangle is of, or colours it. Metres from the eye, ECEF axes.
 #import shared/view.wgsl
 #import shared/spiral.wgsl
 

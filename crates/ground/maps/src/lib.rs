@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Maps in tiles over a body: Web Mercator's coordinates, tiles and levels, polar caps where it ends, pictures cut into both, and the
-//! ways to keep a triangle across ±180° in one piece (A. Jeromel, StuCoSReC 2018, pp. 39–42). Tiles that come and go:
+//! Maps in tiles over a body: Web Mercator's coordinates, tiles and levels, polar caps where it ends, and pictures cut into
+//! both. Ways to keep a triangle across ±180° in one piece (A. Jeromel, StuCoSReC 2018, pp. 39–42). Tiles that come and go:
 //! slots that hold them, and a thread that reads them. Projections of a whole body, and a quadtree over one large
 //! picture (Gebbie and Bailey, "Fast Realistic Rendering of Global Worlds").
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Projections of Gebbie and Bailey whose formulas are those of Bailey's shader textbook, since the paper prints none: a
-//! hyperbolic map by polar or by Cartesian coordinates, and a dome. What comes out fills −1 … 1.
+//! Projections of Gebbie and Bailey: a hyperbolic map by polar or by Cartesian coordinates, and a dome. What comes out
+//! fills −1 … 1. The paper prints no formulas; these are those of Bailey's shader textbook.
 
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;

@@ -398,7 +398,7 @@ const LINES: Section<'static> = Section {
 
 const PLACES: Section<'static> = Section {
     title: "At a pole and across ±180°",
-    text: "The upper edge of a country’s decal is the north pole, a point: there its cells end in triangles of no area. Its \
+    text: "The upper edge of a country's decal is the north pole, a point: there its cells end in triangles of no area. Its \
            sides are 115° of longitude apart, which is as wide in its middle as it is high. Other decals and lines cross \
            ±180°, where longitude jumps: rays find longitudes from −180° to 180°, and the data goes on beyond.",
     cases: Select::Fitting(|case| !is_usual(case)),

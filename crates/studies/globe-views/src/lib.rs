@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What the parts of study `globes` draw and time with: views of a globe, a canvas on wgpu, surfaces opened once, the
-//! watch of a frame's steps, and figures of a picture's pixels.
+//! What the parts of study `globes` draw with: views of a globe, a canvas on wgpu, surfaces opened once. And what they
+//! measure with: the watch of a frame's steps, and figures of a picture's pixels.
 
 mod canvas;
 mod clock;

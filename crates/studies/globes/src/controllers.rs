@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Both radii of the spiral held by counted pixels (Gebbie and Bailey, “Other Uses for `occlusion_query` for LOD”), in
-//! frames that devices draw and count: the fan's by constant and by logarithmic steps, the outer one by trying. Beside
-//! them stand both in closed form. What a frame draws is a range of one static buffer.
+//! Both radii of the spiral by counted pixels, in frames that devices draw and count (Gebbie and Bailey, “Other Uses for
+//! `occlusion_query` for LOD”). The fan's radius changes by constant or by logarithmic steps, the outer one by trying.
+//! Beside them stand both in closed form. What a frame draws is a range of one static buffer.
 
 mod device;
 mod rule;
@@ -368,8 +368,8 @@ impl<'a> ControllerPart<'a> {
     }
 }
 
-/// By how much the fan's error grows from a frame to the next, the least of the first frames, and the frame that ends
-/// them: there its pixels are cut off, by the picture or because no smaller fan is stored.
+/// By how much the fan's error grows from a frame to the next, the least of the first frames; and the frame that ends
+/// them. There its pixels are cut off, by the picture or because no smaller fan is stored.
 fn growth_by_frame(drawn: &[Drawn], counts: &[Counted]) -> Figures {
     // A fan of less than half of the picture lies within it.
     let is_cut = |(drawn, counted): (&Drawn, &Counted)| {

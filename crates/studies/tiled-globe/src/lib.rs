@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A part of study `globes`: the tiled globe of StuCoSReC 2018, a Web Mercator map in tiles over the grid on the screen.
 //!
-//! - `tiles`: ways to lay tiles over a view, and which texel each pixel shows
-//! - `cells`: frames against the number of cells, the paper's only experiment
-//! - `choose`: tiles chosen by the grid's corners in each frame
-//! - `stage`: triangles split at ±180° by a geometry shader
-//! - `loading`: tiles that are files, read beside frames
-//! - `picture`: the Blue Marble in tiles
+//! - `tiles`: ways to lay tiles over a view, and which texel each pixel shows.
+//! - `cells`: frames against the number of cells, the paper's only experiment.
+//! - `choose`: tiles chosen by the grid's corners in each frame.
+//! - `stage`: triangles split at ±180° by a geometry shader.
+//! - `loading`: tiles that are files, read beside frames.
+//! - `picture`: the Blue Marble in tiles.
 //!
 //! The study puts [`planned`] into its plan and [`SECTIONS`] into its chapter.
 

@@ -381,7 +381,7 @@ impl Session for LoadingPart<'_> {
         let (mut all, mut reason) = (Judged::default(), of_frames(&record, flight.budget));
         let mut notes = Vec::new();
         if self.group.work.picture.is_none() {
-            // Judging reads pictures back, meanwhile a thread reads on: what comes when is told by a flight like the timed ones.
+            // While a judged picture is read back the thread reads on, so that tiles come earlier than in timed flights.
             let (as_timed, ..) = self.fly(case, false)?;
             notes.push(("coarse", trace(&as_timed, |of| of.coarse_share())));
             notes.push(("bytes", trace(&as_timed, |of| of.bytes as f64)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Fan and turns of the static spiral on devices, with the pixels of each: on Vulkan by precise occlusion queries, on
-//! wgpu by a target of numbers and a histogram. What a frame draws is said by draw arguments alone, so that one whose
+//! Fan and turns of the static spiral on devices, with the pixels of each. Vulkan counts them by precise occlusion
+//! queries, wgpu by a target of numbers and a histogram. Draw arguments alone say what a frame draws, so that one whose
 //! eye stands still sends nothing.
 
 use super::rule::{Counted, Drawn, PER_TURN};

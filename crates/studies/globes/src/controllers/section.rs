@@ -13,8 +13,8 @@ use terrafill_results::{Block, Case, ChapterError, Finding, Kind, Metric};
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Radii of the spiral by counted pixels",
-    text: "From 100 km straight down, fan and turns are drawn by ranges of one static buffer, and their pixels are \
-           counted apart: by precise occlusion queries on Vulkan, by a histogram on wgpu. Counts of frame k decide on \
+    text: "From 100 km straight down, fan and turns are drawn by ranges of one static buffer. Their pixels are counted \
+           apart: by precise occlusion queries on Vulkan, by a histogram on wgpu. Counts of frame k decide on \
            frame k + delay; the page of arithmetic counts a delay from the frame after, so that its 0 is 1 here. The \
            fan begins with half its 1,257 pixels, the outer radius 20 % beyond the corners; the other radius is in \
            closed form. A rising eye doubles its height each second of 60 frames. All counts are held against rays in \
@@ -246,8 +246,8 @@ fn disc(cases: &Cases<'_>) -> Finding {
             (px - simulated(case)).abs() <= 1.0
         }),
         format!(
-            "Pixels along the diagonal, {}. A spiral's rim is no circle: it steps by {} % where its last turn ends, and that step \
-             moves round with the range's end, so which corner goes bare first hangs on where the range ends.",
+            "Pixels along the diagonal, {}. A spiral's rim is no circle: it steps by {} % where its last turn ends. That step \
+             moves round with the range's end, and so does the corner that goes bare first.",
             words.join("; "),
             significant(100.0 * (radii(PER_TURN, 0) - 1.0))
         ),
@@ -279,8 +279,8 @@ fn behind(cases: &Cases<'_>) -> Finding {
         "Gebbie & Bailey: where the eye rises fast the user will see the spiral falling behind",
         all(&slow, GLOBE_BARE_GROWTH, falls),
         format!(
-            "Bare pixels while the height doubles each second grow from the rise's middle third to its last, with steps of 0.01: \
-             {}; with steps of 0.04, which are faster than the eye and hover: {}; in closed form {} px are bare.",
+            "While the height doubles each second, bare pixels grow from the rise's middle third to its last. Steps of 0.01: {}. \
+             Steps of 0.04, which are faster than the eye and hover: {}. In closed form {} px are bare.",
             by_delay(&slow),
             by_delay(&fast),
             range(&covered, GLOBE_BARE_PX)

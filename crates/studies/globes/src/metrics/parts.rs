@@ -47,7 +47,7 @@ terrafill_results::metrics! {
     GLOBE_CONTROLLER_WRONG_FRAMES = Metric::error(
         "globe_controller_wrong_frames",
         "",
-        "Frames whose counted pixels, of the fan or of all, are others than rays see in f64 where they are no nearer to a rim than a device rounds corners; at most 0.",
+        "Frames whose counted pixels, of the fan or of all, are not those that rays see in f64. Pixels so near to a rim that rounding of corners decides are left out; at most 0.",
     );
     GLOBE_CONTROLLER_FRAMES = Metric::quantity(
         "globe_controller_frames",
@@ -84,13 +84,13 @@ terrafill_results::metrics! {
         "globe_fan_growth",
         "",
         Kind::Error,
-        "Logarithm of the fan's pixels over the wanted ones, largest in the second half of the frames, over that of the first frame: above 1 the fan is farther off than it began.",
+        "Logarithm of the fan's pixels over the wanted ones, largest in the second half of the frames, over that of the first frame. Above 1 the fan is farther off than it began.",
     );
     GLOBE_FAN_GROWTH_LEAST = Metric::less(
         "globe_fan_growth_least",
         "",
         Kind::Error,
-        "By what factor that logarithm grows from a frame to the next while the eye rests, least of the first 8 frames, or of those before the fan is cut off: above 1 it grows exponentially.",
+        "By what factor that logarithm grows from a frame to the next while the eye rests, least of the first 8 frames or of those before the fan is cut off. Above 1 it grows exponentially.",
     );
     GLOBE_FAN_CUT_FRAME = Metric::neither(
         "globe_fan_cut_frame",

@@ -43,7 +43,7 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
                bits between texels, rounding to bytes and corners within 1/256 px explain. Wrong layers must be found \
                by that. The difference from the layers as published says what cubes and 8 bits cost.",
         cases: Select::Fitting(|case| {
-            ["layers", "clouds", "bumps", "near a pole"]
+            ["layers", "clouds", "bumps", "near-pole"]
                 .iter()
                 .any(|what| is_of(case, what))
         }),
@@ -106,7 +106,7 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
                may move a map by 0.25 px in 1,024. By another projection's triangles pixels must be found wrong. Triangles \
                are flat, and a projection is not: what they are off its formula stands beside it, with the same of \
                triangles half as long. That must be less than two thirds, else the tessellation is not its cause.",
-        cases: Select::Fitting(|case| is_of(case, "projections") || is_of(case, "regions")),
+        cases: Select::Fitting(|case| is_of(case, "projections") || is_of(case, "areas")),
         named_by: Names::Columns(&[("projection", PROJECTION), ("view", VIEW)]),
         columns: &[
             BEYOND,
@@ -142,8 +142,8 @@ fn shown(case: &Case) -> String {
         "faults" => of(FAULT).to_owned(),
         "layers" => format!("{} pictures, {} bumps", of(PICTURES), of(BUMPS)),
         "bumps" => format!("bumps × {}", of(BUMP_SCALE)),
-        "regions" => format!("{}, bumps × {}", of(PROJECTION), of(BUMP_SCALE)),
-        "near a pole" => format!("{} pictures", of(PICTURES)),
+        "areas" => format!("{}, bumps × {}", of(PROJECTION), of(BUMP_SCALE)),
+        "near-pole" => format!("{} pictures", of(PICTURES)),
         "clouds" => format!("clouds after {} hours", of(HOURS)),
         _ => format!("{} removed", of(REMOVED)),
     };

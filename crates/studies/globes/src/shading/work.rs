@@ -137,7 +137,7 @@ pub(super) fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
                 ..without(1)
             },
             is_stored: true,
-            what: "regions",
+            what: "areas",
             ..base
         }));
         all.extend([false, true].map(|by_angles| Work {
@@ -146,7 +146,7 @@ pub(super) fn work(side_px: u32, is_quick: bool) -> Vec<Work> {
                 by_angles,
                 ..without(1)
             },
-            what: "near a pole",
+            what: "near-pole",
             ..base
         }));
     }

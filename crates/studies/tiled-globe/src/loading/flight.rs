@@ -24,7 +24,7 @@ use terrafill_surface::{Surface, SurfaceFrame};
 pub(crate) const MOVING: usize = 16;
 /// Frames that lack nothing, after which a flight ends.
 pub(crate) const QUIET: usize = 3;
-/// After which one that still lacks tiles has failed.
+/// A flight that still lacks tiles after so many frames has failed.
 const MOST_FRAMES: usize = 600;
 /// Frames begin no sooner after each other, as on a screen of 60 Hz: what a thread reads meanwhile would else depend on
 /// how fast a device draws.
@@ -122,7 +122,7 @@ pub(crate) struct Course {
     surface: Arc<dyn Surface>,
     /// All that a frame chooses and the coarsest level, sorted; a tile's number is its place in the list.
     pub(crate) tiles: Vec<Tile>,
-    /// Of each eye, how many of every [`STEP_PX`] pixels of every so manyth row want which tile.
+    /// Of each eye, how many pixels want which tile, of every [`STEP_PX`]th in every [`STEP_PX`]th row.
     wanted: Vec<BTreeMap<Tile, u64>>,
     /// Of the eyes whose pictures were judged, remembered.
     truths: RefCell<BTreeMap<usize, Rc<Vec<Option<Truth>>>>>,
@@ -380,7 +380,7 @@ pub(crate) fn fly(
         of_frame.pixels = course.pixels(frame, &held);
         let before = std::mem::replace(&mut written, stage.targets.written_bytes());
         of_frame.queue_bytes = written - before;
-        // Not by what is sent: that is asked of such frames.
+        // A frame that rests may send nothing, so rest must not be defined by what is sent.
         of_frame.rests = lacking.is_empty() && frame > 0 && at == (frame - 1).min(MOVING - 1);
         record.frames.push(of_frame);
         quiet = if of_frame.rests { quiet + 1 } else { 0 };

@@ -12,17 +12,18 @@ use terrafill_results::{Block, Case, ChapterError, Claim, Finding, Metric, Scope
 
 pub(crate) const SECTION: Section<'static> = Section {
     title: "Tiles read beside frames",
-    text: "Tiles are files, PNGs of 256 × 256 texels, written before the flight. So reading means the system’s page \
+    text: "Tiles are files, PNGs of 256 × 256 texels, written before the flight. So reading means the system's page \
            cache and decoding, not a cold disk and no network; “latency” adds a wait to each tile, as a network might. \
            A flight has 16 eyes, at most 60 a second, and begins with the coarsest level alone. Frames choose tiles by \
-           the corners of 20 × 20 cells. In the background a thread reads what frames lack, the newest wishes first; \
-           no frame waits, and one sends at most so many tiles. In the foreground each frame reads what it lacks. \
-           Or all tiles are there before the first frame, in as many slots; else there are 40, and the tile that was \
-           used longest ago makes room. A tile that is not there is drawn by the nearest that it is a part of. \
-           Each pixel of the judged frames is held against rays in double precision and the tiles that were there: it must show the \
-           texel of the finest one, and nothing else. “Coarse” is the share of pixels that show a coarser level than they \
-           want, summed over frames. Where a level is not there, each fragment searches for the next one. A frame’s clock covers making the grid, choosing, sending and drawing; its CPU time has what a \
-           thread uses meanwhile, whose whole time stands beside it. Pictures have a colour for each level, pale where it is coarser than wanted.",
+           the corners of 20 × 20 cells. In the background a thread reads what frames lack, the newest wishes first; no \
+           frame waits, and one sends at most so many tiles. In the foreground each frame reads what it lacks. Or all \
+           tiles are there before the first frame, in as many slots; else there are 40, and the tile that was used \
+           longest ago makes room. A tile that is not there is drawn by the nearest that it is a part of. Each pixel of \
+           the judged frames is held against rays in f64 and the tiles that were there: it must show the texel of the \
+           finest one. “Coarse” is the share of pixels that show a coarser level than they want, summed over frames. \
+           Where a level is not there, each fragment searches for the next one. A frame's clock covers making the grid, \
+           choosing, sending and drawing; its CPU time has what a thread uses meanwhile, whose whole time stands beside \
+           it. Pictures have a colour for each level, pale where it is coarser than wanted.",
     cases: Select::With(metrics::PART, PART),
     named_by: Names::Columns(&[
         ("tiles hold", PICTURES),
@@ -141,7 +142,7 @@ fn spikes(cases: &Cases<'_>) -> Finding {
         &LONGEST,
         &waits.pairs(LOADING, ["foreground", "background"], &[]),
         Claim::Faster,
-        "Where each tile is waited for, a flight’s longest frame is shorter with a thread beside it",
+        "Where each tile is waited for, a flight's longest frame is shorter with a thread beside it",
     );
     let at_once = cases.with(&[(LATENCY_MS, "0")]);
     let [waits, at_once] =
@@ -161,7 +162,7 @@ fn spikes(cases: &Cases<'_>) -> Finding {
 fn late(cases: &Cases<'_>) -> Result<Option<Block>, ChapterError> {
     let pairs = pairs(cases, GLOBE_LOAD_COARSE);
     let said = format!(
-        "Frames’ worth of pixels at a coarser level than they want, {} The first frame of a flight in the background has the \
+        "Frames' worth of pixels at a coarser level than they want, {} The first frame of a flight in the background has the \
          coarsest level alone.",
         words(&pairs)
     );
