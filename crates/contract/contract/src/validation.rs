@@ -101,10 +101,22 @@ impl ValidationLog {
         }
     }
 
-    /// Messages so far.
+    /// Number of messages so far.
     #[must_use]
-    pub fn messages(&self) -> Vec<ValidationMessage> {
-        self.kept().messages.clone()
+    pub fn count(&self) -> usize {
+        self.kept().messages.len()
+    }
+
+    /// Messages after the first `known`.
+    #[must_use]
+    pub fn after(&self, known: usize) -> Vec<ValidationMessage> {
+        self.kept().messages.iter().skip(known).cloned().collect()
+    }
+
+    /// Whether there is a message with this id.
+    #[must_use]
+    pub fn has(&self, id: &str) -> bool {
+        self.kept().messages.iter().any(|message| message.id == id)
     }
 }
 
@@ -133,10 +145,12 @@ mod tests {
     fn a_message_is_kept_on_one_line() {
         let log = ValidationLog::new();
         log.keep("WARN", "VUID-x", "a\n\tb  c");
-        let message = log.messages().pop().expect("kept");
+        let message = log.after(0).pop().expect("kept");
         assert_eq!([&*message.severity, &*message.id], ["WARN", "VUID-x"]);
         assert_eq!(message.text, "a b c");
+        assert!(log.has("VUID-x") && log.after(1).is_empty());
         // Negative control: another log has none of it.
-        assert!(ValidationLog::new().messages().is_empty());
+        let other = ValidationLog::new();
+        assert!(!other.has("VUID-x") && other.after(0).is_empty());
     }
 }

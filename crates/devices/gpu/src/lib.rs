@@ -59,6 +59,6 @@ pub use shared::{API, SURFACES, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};
 pub use textured::{BoundCover, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
-pub use validation::messages;
+pub use validation::validation_log;
 pub use volume_pass::{VolumePass, index_format};
 pub use volume_pipeline::{HandedOn, VolumeShader};

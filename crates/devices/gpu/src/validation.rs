@@ -5,7 +5,7 @@
 //! keeps every message of severity warning or error that comes from Vulkan, as [`ValidationLog`] says.
 
 use std::sync::Once;
-use terrafill_contract::{ValidationLog, ValidationMessage};
+use terrafill_contract::ValidationLog;
 
 pub(crate) static LOG: ValidationLog = ValidationLog::new();
 
@@ -23,10 +23,10 @@ const STORE_AFTER_READ: [&str; 3] = [
     "prior_usage: SYNC_FRAGMENT_SHADER_SHADER_SAMPLED_READ",
 ];
 
-/// Messages so far in this process.
+/// What the layer has said so far in this process.
 #[must_use]
-pub fn messages() -> Vec<ValidationMessage> {
-    LOG.messages()
+pub fn validation_log() -> &'static ValidationLog {
+    &LOG
 }
 
 /// Installs the logger once. A logger that is there already stays, and keeps nothing.

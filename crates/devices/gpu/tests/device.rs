@@ -6,7 +6,7 @@ use terrafill_contract::{DeviceError, Devices, device_for_test};
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
     Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,
-    messages, open_for_test, shared_gpu,
+    open_for_test, shared_gpu, validation_log,
 };
 use terrafill_scene::ImageSize;
 
@@ -19,18 +19,13 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
     let Some(gpu) = open_for_test(&options) else {
         return;
     };
-    let count = || {
-        messages()
-            .iter()
-            .filter(|m| m.id == POSITIVE_CONTROL)
-            .count()
-    };
-    assert_eq!(count(), 0);
+    let log = validation_log();
+    assert!(!log.has(POSITIVE_CONTROL));
     assert!(make_deliberate_error(&gpu), "the device is a Vulkan one");
     assert!(
-        count() > 0,
+        log.has(POSITIVE_CONTROL),
         "the validation layer is not at work: {:?}",
-        messages()
+        log.after(0)
     );
 }
 

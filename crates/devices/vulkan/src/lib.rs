@@ -87,5 +87,5 @@ pub use targets::Numbers;
 pub use terrafill_contract::{DeviceOptions as GpuOptions, POSITIVE_CONTROL, ValidationMessage};
 pub use textured_pipeline::{DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use triangle_tree::TriangleTree;
-pub use validation::messages;
+pub use validation::validation_log;
 pub use volume_pass::VolumePass;

@@ -3,17 +3,17 @@
 
 use ash::vk;
 use std::ffi::CStr;
-use terrafill_contract::{ValidationLog, ValidationMessage};
+use terrafill_contract::ValidationLog;
 
 /// The layer that checks.
 pub(crate) const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 pub(crate) static LOG: ValidationLog = ValidationLog::new();
 
-/// Messages so far in this process.
+/// What the layer has said so far in this process.
 #[must_use]
-pub fn messages() -> Vec<ValidationMessage> {
-    LOG.messages()
+pub fn validation_log() -> &'static ValidationLog {
+    &LOG
 }
 
 /// What the layer is told to report to.

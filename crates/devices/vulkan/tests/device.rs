@@ -17,7 +17,7 @@ use terrafill_vulkan::{
     ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor,
     PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor, TexturedParts,
     TexturedPipeline, TexturedPlacement, VertexFormat, list_adapters, make_deliberate_error,
-    messages, open_for_test,
+    open_for_test, validation_log,
 };
 
 /// A targets with the globe drawn on it.
@@ -37,18 +37,13 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
     let Some(gpu) = open_for_test(&options) else {
         return;
     };
-    let count = || {
-        messages()
-            .iter()
-            .filter(|m| m.id == POSITIVE_CONTROL)
-            .count()
-    };
-    assert_eq!(count(), 0);
+    let log = validation_log();
+    assert!(!log.has(POSITIVE_CONTROL));
     make_deliberate_error(&gpu);
     assert!(
-        count() > 0,
+        log.has(POSITIVE_CONTROL),
         "the validation layer is not at work: {:?}",
-        messages()
+        log.after(0)
     );
 }
 

@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
+use terrafill_contract::ValidationLog;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
 use terrafill_study::{Context, Failure, Figures, Session, StudyError};
@@ -156,7 +157,7 @@ impl Session for SuiteSession<'_> {
         let before = Heard::so_far();
         let came = self.drawn(|session| session.verify(case));
         let mut verdict = settle(self.expect, came);
-        if let Some(heard) = Heard::so_far().since(&before) {
+        if let Some(heard) = before.since() {
             verdict
                 .figures
                 .push(("validation_messages", heard.len() as f64));
@@ -205,52 +206,47 @@ impl Session for SuiteSession<'_> {
     }
 }
 
-/// What the validation layer has said in this process, through wgpu and through Vulkan itself.
-struct Heard {
-    /// `None` where nobody asked for it, or there is none.
-    messages: Option<[Vec<String>; 2]>,
-}
+/// How many messages of the validation layer there were at a moment, through wgpu and through Vulkan itself.
+struct Heard([usize; 2]);
 
 impl Heard {
-    fn so_far() -> Self {
-        let gpu = terrafill_gpu::messages().into_iter();
-        let vulkan = terrafill_vulkan::messages().into_iter();
-        let all: [Vec<(String, String)>; 2] = [
-            gpu.map(|message| (message.id, message.text)).collect(),
-            vulkan.map(|message| (message.id, message.text)).collect(),
-        ];
-        let is_on = std::env::var("TERRAFILL_VALIDATION").is_ok_and(|value| value != "0");
-        let has_layer = all.iter().flatten().all(|(id, _)| id != NO_LAYER);
-        let is_true = |(id, text): &(String, String)| {
-            let is_row = |row: &str| {
-                let mut cells = row.split(',');
-                let (start, part) = cells.next().zip(cells.next())?;
-                Some(id.starts_with(start) && text.contains(part))
-            };
-            let known = FALSE_MESSAGES
-                .lines()
-                .skip(1)
-                .filter_map(is_row)
-                .any(|is| is);
-            !known && id != terrafill_gpu::POSITIVE_CONTROL
-        };
-        let messages = all.map(|all| {
-            let all = all.into_iter().filter(is_true);
-            all.map(|(id, text)| format!("{id}: {text}")).collect()
-        });
-        Self {
-            messages: (is_on && has_layer).then_some(messages),
-        }
+    fn logs() -> [&'static ValidationLog; 2] {
+        [
+            terrafill_gpu::validation_log(),
+            terrafill_vulkan::validation_log(),
+        ]
     }
 
-    /// What was said after `before`: both lists grow at their ends alone.
-    fn since(self, before: &Self) -> Option<Vec<String>> {
-        let known = before.messages.as_ref();
-        let known = known.map_or([0; 2], |messages| messages.each_ref().map(Vec::len));
-        let messages = self.messages?.into_iter().zip(known);
-        let new = messages.flat_map(|(messages, known)| messages.into_iter().skip(known));
-        Some(new.collect())
+    fn so_far() -> Self {
+        Self(Self::logs().map(ValidationLog::count))
     }
+
+    /// What was said since then, but for what is known to be false; `None` where nobody asked for it, or there is no
+    /// layer.
+    fn since(&self) -> Option<Vec<String>> {
+        let logs = Self::logs();
+        if !ValidationLog::is_requested() || logs.iter().any(|log| log.has(NO_LAYER)) {
+            return None;
+        }
+        let new = logs.into_iter().zip(self.0);
+        let new = new.flat_map(|(log, known)| log.after(known));
+        let new = new.filter(|message| !is_known(&message.id, &message.text));
+        Some(
+            new.map(|message| format!("{}: {}", message.id, message.text))
+                .collect(),
+        )
+    }
+}
+
+/// Whether a message is made on purpose or known to be false.
+fn is_known(id: &str, text: &str) -> bool {
+    let is_row = |row: &str| {
+        let mut cells = row.split(',');
+        let (start, part) = cells.next().zip(cells.next())?;
+        Some(id.starts_with(start) && text.contains(part))
+    };
+    let mut rows = FALSE_MESSAGES.lines().skip(1).filter_map(is_row);
+    id == terrafill_gpu::POSITIVE_CONTROL || rows.any(|is| is)
 }
 
 /// What the work gives, or what it says where it fails or panics.

@@ -8,21 +8,19 @@
 
 use crate::drawing;
 
+use drawing::pairs::pairwise;
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{
     AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, shown,
     vertex, with_colour, with_switches,
 };
 use terrafill_compute::{
-    Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, Transform, compute_bytes,
-    placed_bytes,
+    Capacity, ComputeBackend, ComputeTechnique, ComputeVariant, Expansion, GpuCulling, Transform,
+    compute_bytes, placed_bytes,
 };
 use terrafill_contract::{DeviceError, FillBackend as _, FillInput, Frame};
 use terrafill_plan::{LeftOutReason, PartCulling, PlanOptions, WallHeights};
-use terrafill_scene::Overlap;
-use terrafill_variant::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, Switches,
-};
+use terrafill_variant::{ColourWay, Switches};
 
 /// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {
@@ -96,50 +94,14 @@ fn broken_volumes_are_noticed() {
     checks::assert_broken_volumes_are_noticed(&techniques());
 }
 
-/// Every combination of switches that a scene of disjoint regions allows.
-fn all_switches() -> Vec<Switches> {
-    let mut all = Vec::new();
-    for colour in ColourWay::ALL {
-        for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
-            for depth_rule in [DepthRuleChoice::Fail, DepthRuleChoice::Automatic] {
-                for bottom_cap in [BottomCap::Always, BottomCap::WhereNeeded] {
-                    for flags in 0..8 {
-                        all.push(Switches {
-                            colour,
-                            faces,
-                            depth_rule,
-                            bottom_cap,
-                            scissor: flags & 1 != 0,
-                            cover_culls_faces: flags & 2 != 0,
-                            stencil_clear: if flags & 4 != 0 {
-                                StencilClear::ByColour
-                            } else {
-                                StencilClear::AtStart
-                            },
-                            ..Switches::default()
-                        });
-                    }
-                }
-            }
-        }
-    }
-    all.retain(|switches| switches.check(Overlap::Disjoint).is_ok());
-    all
-}
-
 #[test]
 fn no_switch_changes_a_pixel() {
-    let bases = techniques();
-    checks::assert_no_switch_changes_a_pixel(|place| {
-        // Every other combination of switches here, the rest at the next place, each with one of
-        // the expansions and cullings, which take turns.
-        let all = all_switches().into_iter().enumerate();
-        let here = all.skip(place % 2).step_by(2);
-        let technique = |(index, switches)| with_switches(bases[index % bases.len()], switches);
-        let techniques: Vec<Technique> = here.map(technique).collect();
-        assert!(techniques.len() >= 100, "{}", techniques.len());
-        techniques
-    });
+    let own = ["expansion", "gpu-culling", "transform"];
+    let techniques: Vec<Technique> = pairwise(&ComputeTechnique, &own)
+        .iter()
+        .map(|variant| Technique::Compute(ComputeVariant::of(variant).expect("known names")))
+        .collect();
+    checks::assert_no_switch_changes_a_pixel(&techniques);
 }
 
 const NOTHING_LEFT_OUT: PlanOptions = PlanOptions {

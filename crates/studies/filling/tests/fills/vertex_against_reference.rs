@@ -7,6 +7,7 @@
 
 use crate::drawing;
 
+use drawing::pairs::pairwise;
 use drawing::sights::{self, square_from};
 use drawing::{
     AllTargets, Devices, SIZE, Technique, checks, collection, counters, differing, draw, figures,
@@ -14,11 +15,9 @@ use drawing::{
 };
 use std::collections::BTreeSet;
 use terrafill_conformance::verdict;
-use terrafill_contract::{Counters, Technique as _};
+use terrafill_contract::Counters;
 use terrafill_core::Ellipsoid;
 use terrafill_plan::PlanOptions;
-use terrafill_results::SplitMix64;
-use terrafill_scene::Overlap;
 use terrafill_stencil::PositionFormat;
 use terrafill_variant::{ColourWay, Switches, Variant};
 use terrafill_vertex::{Layout, VertexTechnique, VertexVariant};
@@ -106,106 +105,11 @@ fn culling_changes_no_pixel() {
 }
 
 /// The technique's own choices.
-const OWN: [(&str, &[&str]); 4] = [
-    ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
-    ("walls", &["strip", "list"]),
-    ("index-order", &["mesh", "cache"]),
-    ("vertex-bytes", &["16", "20"]),
-];
-
-/// Switches that are not drawn here, and why.
-const LEFT_OUT: [(&str, &str); 5] = [
-    (
-        "normalize",
-        "of textured fills, which have tests of their own",
-    ),
-    ("position", "of textured fills"),
-    ("texture", "of textured fills"),
-    ("texture-code", "of textured fills"),
-    ("vertices", "of footprints, which have tests of their own"),
-];
-
-/// Fewer values of a switch: `zpass` is wrong from within a volume, which has a test of its own, and of numbers of bits the
-/// least and the most do all.
-const FEWER: [(&str, &[&str]); 2] = [
-    ("depth-rule", &["zfail", "automatic", "uncut"]),
-    ("stencil-bits", &["8", "1"]),
-];
-
-/// Rows drawn by lot, and of those that go together so many, of which few are chosen.
-const DRAWN: usize = 60_000;
-const CANDIDATES: usize = 1_000;
-
-/// What may be chosen, with its values: a new switch is among them without being named here.
-fn keys() -> Vec<(&'static str, Vec<&'static str>)> {
-    let own = OWN.iter().map(|(key, values)| (*key, values.to_vec()));
-    let rows = Switches::TABLE.iter();
-    let rows = rows.filter(|row| LEFT_OUT.iter().all(|(key, _)| *key != row.key));
-    let switches = rows.map(|row| {
-        let fewer = FEWER.iter().find(|(key, _)| *key == row.key);
-        let values = fewer.map_or_else(|| row.values.list(), |(_, values)| values.to_vec());
-        (row.key, values)
-    });
-    own.chain(switches).collect()
-}
-
-/// The variant of a row, a value for each key; `None` of values that do not go together.
-fn variant_of(keys: &[(&str, Vec<&str>)], row: &[usize]) -> Option<Variant> {
-    let mut variant = VertexTechnique.main(Overlap::Disjoint);
-    for ((key, values), &value) in keys.iter().zip(row) {
-        assert_eq!(variant.set(key, values[value]), Ok(true), "{key}");
-    }
-    let checked = VertexTechnique.check(&variant, Overlap::Disjoint);
-    checked.is_ok().then_some(variant)
-}
-
-/// Every two values of a row.
-fn pairs(row: &[usize]) -> impl Iterator<Item = [(usize, usize); 2]> {
-    let values = || row.iter().copied().enumerate();
-    values().flat_map(move |later| values().take(later.0).map(move |earlier| [earlier, later]))
-}
-
-/// Few variants in which every two values of two keys that go together meet at least once: what
-/// two switches do to each other shows in pairs (Kuhn, Wallace and Gallo, 2004). Greedy: of many rows drawn by lot, the
-/// one with most pairs that are still missing comes next.
-fn pairwise_variants() -> Vec<Variant> {
-    let keys = keys();
-    let mut lot = SplitMix64::new(7);
-    let mut row = || -> Vec<usize> {
-        let counts = keys.iter().map(|(_, values)| values.len());
-        counts.map(|count| lot.below(count)).collect()
-    };
-    let mut rows: Vec<Vec<usize>> = (0..DRAWN).map(|_| row()).collect();
-    rows.retain(|row| variant_of(&keys, row).is_some());
-    assert!(rows.len() >= CANDIDATES, "{} rows go together", rows.len());
-    rows.truncate(CANDIDATES);
-    let mut missing: BTreeSet<_> = rows.iter().flat_map(|row| pairs(row)).collect();
-    for (key, (name, values)) in keys.iter().enumerate() {
-        for (value, text) in values.iter().enumerate() {
-            let is_drawn = missing.iter().any(|pair| pair.contains(&(key, value)));
-            assert!(is_drawn, "{name}={text} goes with nothing that was drawn");
-        }
-    }
-    let mut chosen = Vec::new();
-    while !missing.is_empty() {
-        let gain = |row: &Vec<usize>| pairs(row).filter(|pair| missing.contains(pair)).count();
-        let Some(best) = rows.iter().max_by_key(|row| gain(row)) else {
-            break;
-        };
-        for pair in pairs(best) {
-            missing.remove(&pair);
-        }
-        chosen.extend(variant_of(&keys, best));
-    }
-    chosen
-}
+const OWN: &[&str] = &["layout", "walls", "index-order", "vertex-bytes"];
 
 #[test]
 fn pairs_of_switches_are_all_chosen() {
-    for (key, _) in LEFT_OUT {
-        assert!(Switches::TABLE.iter().any(|row| row.key == key), "{key}");
-    }
-    let variants = pairwise_variants();
+    let variants = pairwise(&VertexTechnique, OWN);
     eprintln!("{} variants", variants.len());
     assert!(variants.len() < 60, "{}", variants.len());
     let names: BTreeSet<String> = variants.iter().map(Variant::name).collect();
@@ -231,11 +135,11 @@ fn pairs_of_switches_are_all_chosen() {
 
 #[test]
 fn no_switch_changes_a_pixel() {
-    let techniques: Vec<Technique> = pairwise_variants()
+    let techniques: Vec<Technique> = pairwise(&VertexTechnique, OWN)
         .iter()
         .map(|variant| Technique::Vertex(VertexVariant::of(variant).expect("known names")))
         .collect();
-    checks::assert_no_switch_changes_a_pixel(|_| techniques.clone());
+    checks::assert_no_switch_changes_a_pixel(&techniques);
 }
 
 #[test]

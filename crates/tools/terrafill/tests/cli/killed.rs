@@ -27,6 +27,15 @@ fn filling<'a>(more: &[&'a str]) -> Vec<&'a str> {
     bench("filling", SAMPLES, &[&NAMED[..], more].concat())
 }
 
+/// The same by one technique, where only the end of a run matters.
+fn short<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    bench(
+        "filling",
+        SAMPLES,
+        &[&["--technique", "vertex"], more].concat(),
+    )
+}
+
 fn measured_rows(desk: &Desk) -> usize {
     let text = std::fs::read(desk.path("run/measurements.csv")).unwrap_or_default();
     let lines = text.iter().filter(|byte| **byte == b'\n').count();
@@ -186,14 +195,14 @@ fn a_run_that_is_killed_in_its_second_process_leaves_nothing_that_goes_on_writin
         return;
     }
     let desk = Desk::new();
-    let options = ["--technique", "vertex", "--processes", "2"];
+    let two = ["--processes", "2"];
     let is_second = || {
         let text = std::fs::read(desk.path("run/measurements.csv")).unwrap_or_default();
         let text = String::from_utf8_lossy(&text);
         let seconds = text.lines().filter(|row| row.contains("_cpu_ms,1,"));
         seconds.count() > 20
     };
-    let mut command = desk.command(&bench("filling", SAMPLES, &options));
+    let mut command = desk.command(&short(&two));
     kill_when(&mut command, is_second);
     // The second process hears of it within a frame.
     std::thread::sleep(Duration::from_millis(300));
@@ -201,8 +210,7 @@ fn a_run_that_is_killed_in_its_second_process_leaves_nothing_that_goes_on_writin
     check_report(&desk);
     std::thread::sleep(Duration::from_millis(300));
     assert_eq!(measured_rows(&desk), left);
-    let resumed = [&options[..], &["--resume"]].concat();
-    check_resumed(&desk, &bench("filling", SAMPLES, &resumed));
+    check_resumed(&desk, &short(&[&two[..], &["--resume"]].concat()));
 }
 
 #[test]
@@ -242,7 +250,7 @@ fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
     }
     for (signal, name, code) in [("-TERM", "SIGTERM", 143), ("-INT", "SIGINT", 130)] {
         let desk = Desk::new();
-        let mut command = desk.command(&filling(&[]));
+        let mut command = desk.command(&short(&[]));
         let child = command.stderr(Stdio::piped()).spawn().expect("starts");
         let started = Instant::now();
         while measured_rows(&desk) < 400 && started.elapsed() < MAX_WAIT {
@@ -259,7 +267,7 @@ fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
         let expected = format!("stopped by {name}: run keeps what was measured");
         assert!(said.contains(&expected), "{said}");
         check_report(&desk);
-        check_resumed(&desk, &filling(&["--resume"]));
+        check_resumed(&desk, &short(&["--resume"]));
     }
 }
 
@@ -270,7 +278,7 @@ fn a_run_on_a_full_disk_says_what_was_not_written_and_goes_on() {
         return;
     }
     let desk = Desk::new();
-    let mut command = desk.command(&filling(&[]));
+    let mut command = desk.command(&short(&[]));
     let mut child = command.stderr(Stdio::piped()).spawn().expect("starts");
     let started = Instant::now();
     while measured_rows(&desk) < 400 && started.elapsed() < MAX_WAIT {
@@ -297,7 +305,7 @@ fn a_run_on_a_full_disk_says_what_was_not_written_and_goes_on() {
     }
     std::fs::rename(&kept, &table).expect("room again");
     check_report(&desk);
-    check_resumed(&desk, &filling(&["--resume"]));
+    check_resumed(&desk, &short(&["--resume"]));
 }
 
 #[test]

@@ -50,11 +50,12 @@ fn clone() -> Desk {
 }
 
 /// What a bench of the README is cut to a moment by, unless the line says it itself: a small picture,
-/// one sample, one process, one study, no ablation and no matrix.
-const HASTE: [(&str, &str); 6] = [
+/// one sample, one process, one study, no ablation and no matrix; and one technique, where the line names no study.
+const HASTE: [(&str, &str); 7] = [
     ("--size", "48"),
     ("--samples", "1"),
     ("--processes", "1"),
+    ("--technique", "vertex"),
     ("--study", "filling"),
     ("--ablation", "none"),
     ("--matrix", "none"),
@@ -67,7 +68,9 @@ fn run_line(desk: &Desk, line: &str) -> Result<(), String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let mut haste = String::new();
     for (option, value) in HASTE {
-        if line.starts_with("terrafill bench") && !line.contains(option) {
+        let is_said =
+            line.contains(option) || (option == "--technique" && line.contains("--study"));
+        if line.starts_with("terrafill bench") && !is_said {
             haste += &format!(" {option} {value}");
         }
     }

@@ -11,6 +11,7 @@
 
 pub(crate) mod by_main;
 pub(crate) mod checks;
+pub(crate) mod pairs;
 pub(crate) mod sights;
 
 use std::cell::OnceCell;
