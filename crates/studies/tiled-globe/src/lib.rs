@@ -20,6 +20,7 @@ mod options;
 mod picture;
 mod plan;
 mod stage;
+mod steps;
 mod tile_set;
 mod tiles;
 mod truth;

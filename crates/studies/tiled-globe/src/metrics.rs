@@ -53,6 +53,13 @@ terrafill_results::metrics! {
         "globe_tile_seam_wrong_px",
         "Of them, those that show a texel off by more than ½ from their place on the triangle as drawn, or none.",
     );
+    GLOBE_TILE_STEP_TEXELS = Metric::neither(
+        "globe_tile_step_texels",
+        "texels",
+        Kind::Counter,
+        "What a step of f32 just below 1, 2⁻²⁴ of the map, is of the finest level that the view asks for. Ten such steps, the roundings of a place in perspective, are at most ½ where a way that counts from the map's edge must be right.",
+    )
+    .or("counted from the eye");
     GLOBE_TILE_POLE_PX = Metric::less(
         "globe_tile_pole_px",
         "px",

@@ -9,8 +9,9 @@ pub(crate) use section::SECTION;
 use super::device::{MapConstants, keys};
 use super::mesh::{MapMesh, MapVertex, map_mesh};
 use super::options::{Options, Seam};
+use super::steps::step_texels;
 use super::tile_set::{SIDE, Shown, address, shown};
-use super::tiles::{ALLOWED_TEXELS, grid, judge};
+use super::tiles::{grid, judge, may_be_wrong, seam_reason};
 use super::truth::{Tile, Truth, tiles, truths};
 use crate::metrics::{self, LIMIT, SIZE_PX, SPLIT_BY, VIEW};
 use std::collections::BTreeMap;
@@ -76,10 +77,11 @@ impl Splitter {
         }
     }
 
-    fn may_be_wrong(self) -> bool {
+    /// What pixels show of the seam, whoever splits.
+    fn keeps(self) -> Seam {
         match self {
-            Self::Nobody => true,
-            Self::Cpu(limit) | Self::Geometry(limit) => limit > 0.5,
+            Self::Nobody => Seam::None,
+            Self::Cpu(limit) | Self::Geometry(limit) => Seam::Split(limit),
         }
     }
 }
@@ -96,6 +98,7 @@ impl Stages {
         (side_px, samples): (u32, u32),
         opened: &Rc<Opened>,
     ) -> CaseGroup<Self> {
+        let eye = view.eye(side_px);
         let cases = Splitter::ALL.map(|splitter| {
             let [by, limit] = splitter.names();
             let name = format!("{PART}/{}/{by}{limit}", view.name);
@@ -109,7 +112,7 @@ impl Stages {
             PlannedCase {
                 id: CaseId::new(STUDY, name, conditions),
                 samples,
-                may_be_wrong: splitter.may_be_wrong(),
+                may_be_wrong: may_be_wrong(&eye, splitter.keeps()),
             }
         });
         CaseGroup {
@@ -117,7 +120,7 @@ impl Stages {
             cases: cases.into(),
             warm_up: None,
             work: Self {
-                eye: view.eye(side_px),
+                eye,
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
@@ -321,12 +324,13 @@ impl Shows for StagePart<'_> {
         let options = Stages::options(splitter);
         let at_hand = tiles.0.iter().copied().collect();
         let found = judge(truths, &shown_by(&picture, &tiles.0), &options, &at_hand);
-        let (beside, wrong) = (found.seam_px, found.seam_wrong_px);
+        let step = step_texels(&self.group.eye, splitter.keeps());
+        let reason = seam_reason(&found, step);
         let sent = std::mem::size_of_val(mesh.vertices.as_slice());
         let mut figures = vec![
             ("globe_tile_px", found.drawn.len() as f64),
-            ("globe_tile_seam_px", beside as f64),
-            ("globe_tile_seam_wrong_px", wrong as f64),
+            ("globe_tile_seam_px", found.seam_px as f64),
+            ("globe_tile_seam_wrong_px", found.seam_wrong_px as f64),
             ("globe_tile_missing_px", found.missing_px as f64),
             ("globe_tile_count", tiles.0.len() as f64),
             ("globe_tile_crossing", mesh.crossing as f64),
@@ -334,17 +338,11 @@ impl Shows for StagePart<'_> {
             ("globe_upload_bytes", sent as f64),
         ];
         figures.extend(quantile(&found.drawn, 1.0).map(|worst| ("globe_tile_texels_max", worst)));
+        figures.extend(step.map(|step| ("globe_tile_step_texels", step)));
         // What a geometry shader leaves whole nobody counts but it.
         if splitter.shader().is_none() {
             figures.push(("globe_tile_missed", mesh.missed as f64));
         }
-        let reason = if wrong > 0 {
-            format!(
-                "{wrong} of {beside} pixels beside ±180° are off by more than {ALLOWED_TEXELS} texel, allowed 0"
-            )
-        } else {
-            String::new()
-        };
         Ok(judged(reason, figures, Vec::new()))
     }
 

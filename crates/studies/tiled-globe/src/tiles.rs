@@ -10,7 +10,8 @@ use crate::choose::chosen;
 use crate::device::{MapScene, MapTargets, keys};
 use crate::mesh::{MapMesh, map_mesh};
 use crate::metrics::{self, SIZE_PX, VIEW};
-use crate::options::Options;
+use crate::options::{Options, Seam};
+use crate::steps::{may_lose_texels, step_texels};
 use crate::tile_set::{ADDRESSES, Content, Shown, TileSet, shown};
 use crate::truth::{Tile, Truth, body_truths, frame_level, off_texels, tiles, tiles_of, truths};
 use rayon::prelude::*;
@@ -65,6 +66,7 @@ impl Tiled {
         options: Vec<Options>,
         opened: &Rc<Opened>,
     ) -> CaseGroup<Self> {
+        let eye = view.eye(side_px);
         let cases = options.iter().map(|options| {
             let own = options.conditions();
             let set = own
@@ -79,7 +81,7 @@ impl Tiled {
             PlannedCase {
                 id: CaseId::new(STUDY, text, shared.into_iter().chain(own)),
                 samples,
-                may_be_wrong: options.seam.may_miss(),
+                may_be_wrong: may_be_wrong(&eye, options.seam),
             }
         });
         CaseGroup {
@@ -88,20 +90,13 @@ impl Tiled {
             warm_up: None,
             work: Self {
                 tiles,
-                eye: view.eye(side_px),
+                eye,
                 options,
                 opened: Rc::clone(opened),
             },
             open: |group, context| {
-                Ok(Box::new(JudgedOnce::new(TiledPart {
-                    group: &group.work,
-                    context,
-                    targets: None,
-                    truths: None,
-                    of_body: None,
-                    of_drawn: None,
-                    ready: BTreeMap::new(),
-                })))
+                let part = TiledPart::new(&group.work, context);
+                Ok(Box::new(JudgedOnce::new(part)))
             },
         }
     }
@@ -250,6 +245,27 @@ pub(crate) fn judge(
     }
 }
 
+/// Whether the error is the question: the seam is left as it is, or `f32` counted from the map's edge loses texels.
+pub(crate) fn may_be_wrong(eye: &Eye, seam: Seam) -> bool {
+    seam.may_miss() || step_texels(eye, seam).is_some_and(may_lose_texels)
+}
+
+/// Why pixels beside the seam are wrong; empty where none is.
+///
+/// - `step`: texels that a step of `f32` is
+pub(crate) fn seam_reason(found: &TiledErrors, step: Option<f64>) -> String {
+    let (wrong, beside) = (found.seam_wrong_px, found.seam_px);
+    if wrong == 0 {
+        return String::new();
+    }
+    let lost = step.filter(|step| may_lose_texels(*step));
+    let cause = lost.map(|step| format!("; a step of f32 is {step} texels there"));
+    format!(
+        "{wrong} of {beside} pixels beside ±180° show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0{}",
+        cause.unwrap_or_default()
+    )
+}
+
 fn of_mesh(mesh: &MapMesh) -> String {
     fingerprint(&[bytemuck::cast_slice(&mesh.vertices)])
 }
@@ -262,7 +278,19 @@ struct ShownTiles {
     sent: u64,
 }
 
-impl TiledPart<'_> {
+impl<'a> TiledPart<'a> {
+    fn new(group: &'a Tiled, context: Context<'a>) -> Self {
+        Self {
+            group,
+            context,
+            targets: None,
+            truths: None,
+            of_body: None,
+            of_drawn: None,
+            ready: BTreeMap::new(),
+        }
+    }
+
     /// Of a grid's frame, remembered.
     fn truths(&mut self, n: u32, frame: &SurfaceFrame) -> Rc<Vec<Option<Truth>>> {
         let truths = match &self.truths {
@@ -331,6 +359,7 @@ impl Shows for TiledPart<'_> {
 
     fn judge(&mut self, case: usize, drawn: ShownTiles) -> Result<Verdict, Failure> {
         let options = self.group.options[case];
+        let step = step_texels(&self.group.eye, options.seam);
         let truths = self.truths(options.n, &drawn.frame);
         let Ready { scene, .. } = verified(&mut self.ready, case)?;
         let all = &scene.set.tiles;
@@ -339,7 +368,7 @@ impl Shows for TiledPart<'_> {
         let at_hand = all.iter().copied().collect();
         let found = judge(&truths, &pixels, &options, &at_hand);
         Ok(verdict(
-            found,
+            (found, step),
             self.group.tiles,
             (&drawn.mesh, scene),
             drawn.sent,
@@ -383,12 +412,13 @@ pub(crate) fn grid(opened: &Opened, n: u32) -> Result<Arc<dyn Surface>, String> 
 }
 
 fn verdict(
-    found: TiledErrors,
+    (found, step): (TiledErrors, Option<f64>),
     of: TilesOf,
     (mesh, scene): (&MapMesh, &MapScene),
     sent: u64,
 ) -> Verdict {
     let tiles = scene.set.tiles.len();
+    let of_seam = seam_reason(&found, step);
     let mut figures = vec![
         ("globe_tile_px", found.drawn.len() as f64),
         ("globe_tile_seam_px", found.seam_px as f64),
@@ -407,6 +437,7 @@ fn verdict(
         ("globe_triangles", (mesh.vertices.len() / 3) as f64),
         ("globe_upload_bytes", sent as f64),
     ];
+    figures.extend(step.map(|step| ("globe_tile_step_texels", step)));
     let [drawn, body] = [found.drawn, found.body].map(sorted);
     figures.extend(quantiles(&[
         ("globe_tile_texels_max", &drawn, 1.0),
@@ -420,11 +451,8 @@ fn verdict(
         let spare = tiles - found.shown.len();
         figures.push(("globe_tile_spare", spare as f64));
     }
-    let reason = if found.seam_wrong_px > 0 {
-        let (wrong, beside) = (found.seam_wrong_px, found.seam_px);
-        format!(
-            "{wrong} of {beside} pixels beside ±180° show a texel off by more than {ALLOWED_TEXELS} or none, allowed 0"
-        )
+    let reason = if !of_seam.is_empty() {
+        of_seam
     } else if of == TilesOf::Body && found.open_px > 0 {
         let open = found.open_px;
         format!("{open} pixels show no surface, allowed 0: with another number of cells they may")

@@ -58,7 +58,7 @@ impl Tile {
     /// Along the side of the picture that it is a part of.
     pub(crate) fn texels(self) -> f64 {
         match self {
-            Self::Map { level, .. } => TILE_TEXELS * f64::from(level).exp2(),
+            Self::Map { level, .. } => texels_along(level),
             Self::Cap { .. } => TILE_TEXELS,
         }
     }
@@ -300,6 +300,28 @@ pub(crate) fn tiles_of(
         let count = f64::from(level).exp2();
         let step = ROUNDING / count;
         let all = [
+/// The finest level that a view asks for, by rays at the body through the picture's middle, its corners and the middles
+/// of its sides: straight down or at the lower side the ground is nearest.
+pub(crate) fn finest_level(eye: &Eye) -> u32 {
+    let camera = &eye.camera;
+    let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);
+    let along = |side: u32| [0.0, 0.5, 1.0].map(|share| share * f64::from(side));
+    let (columns, rows) = (along(eye.size.width), along(eye.size.height));
+    let places = rows.into_iter().flat_map(|y| columns.map(|x| [x, y]));
+    let levels = places.filter_map(|place| {
+        let direction = camera.direction_ecef(eye.size, place);
+        let depth = body.hit(direction, camera.near_m)?;
+        let ecef = camera.eye_ecef + direction * depth;
+        Some(wanted_level(eye, ecef, direction.length() * depth))
+    });
+    levels.max().unwrap_or(0)
+}
+
+/// Texels along a side of the whole map.
+pub(crate) fn texels_along(level: u32) -> f64 {
+    TILE_TEXELS * f64::from(level).exp2()
+}
+
             [0.0, 0.0],
             [step, 0.0],
             [-step, 0.0],

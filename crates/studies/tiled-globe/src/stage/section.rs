@@ -3,7 +3,7 @@
 
 use super::PART;
 use crate::metrics::{self, *};
-use crate::tiles::section::{AT_SEAM, COUNT, LARGEST, MISSING, OFF_AT_SEAM};
+use crate::tiles::section::{AT_SEAM, COUNT, LARGEST, MISSING, OFF_AT_SEAM, STEP};
 use terrafill_globe_views::{DRAW, FRAME, MAKE};
 use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
 use terrafill_results::Finding;
@@ -25,6 +25,7 @@ pub(crate) const SECTION: Section<'static> = Section {
         Column::metric("missed", GLOBE_TILE_MISSED).or("only the shader knows"),
         AT_SEAM,
         OFF_AT_SEAM,
+        STEP,
         LARGEST,
         MISSING,
         COUNT,

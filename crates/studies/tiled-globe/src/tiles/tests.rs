@@ -102,10 +102,82 @@ fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
     };
     let [local, absolute] = [0, 1].map(|at| figure(&all[at], "globe_tile_texels_p99"));
     assert!(local < 0.5, "{local}");
-    // Negative control: by an absolute U the ground is a metre off.
+    // Negative control: by an absolute U the ground is a metre off, some steps of f32.
     assert!(absolute > 10.0, "{absolute}");
 }
 
+    let step = figure(&all[1], "globe_tile_step_texels");
+    assert!(
+        (1.0..20.0).contains(&(absolute / step)),
+        "{absolute} {step}"
+    );
+    assert!(
+        all[1].reason.contains("a step of f32 is 64 texels there"),
+        "{}",
+        all[1].reason
+    );
+    assert!(
+        !all[0]
+            .figures
+            .iter()
+            .any(|(name, _)| *name == "globe_tile_step_texels")
+    );
+}
+
+/// Whether each case of a view may be wrong, in the order of `seams`.
+fn may_be_wrong(name: &str, seams: &[Seam]) -> Vec<bool> {
+    let options = seams.iter().map(|&seam| Options {
+        seam,
+        ..Options::BASE
+    });
+    let opened = Rc::new(Opened::new(KINDS));
+    let sizes = (1024, 1);
+    let tiled = Tiled::planned(&tiled_view(name), sizes, options.collect(), &opened);
+    tiled.cases.iter().map(|case| case.may_be_wrong).collect()
+}
+
+#[test]
+fn only_where_single_precision_loses_texels_may_a_split_view_be_wrong() {
+    let seams = [Seam::Split(0.5), Seam::Rotated, Seam::Local, Seam::None];
+    for near in ["nadir-10km", "ground-1.7m"] {
+        assert_eq!(may_be_wrong(near, &seams), [true, true, false, true]);
+    }
+    // Negative control: farther away only what leaves the seam as it is may be wrong.
+    for far in ["globe-antimeridian", "oblique-100km", "tilted-100km"] {
+        assert_eq!(may_be_wrong(far, &seams), [false, false, false, true]);
+    }
+}
+
+#[test]
+fn a_picture_one_texel_off_is_refuted() {
+    on_device(terrafill_gpu::shared_gpu, |context| {
+        let views = [
+            ("globe-antimeridian", Seam::Split(0.5)),
+            ("nadir-10km", Seam::Local),
+            ("ground-1.7m", Seam::Local),
+        ];
+        for (name, seam) in views {
+            let opened = Rc::new(Opened::new(KINDS));
+            // Of an odd number of cells one is on both sides of ±180°.
+            let options = Options {
+                seam,
+                n: 5,
+                ..Options::BASE
+            };
+            let tiled = Tiled::planned(&tiled_view(name), (100, 1), vec![options], &opened);
+            let mut part = TiledPart::new(&tiled.work, context);
+            let mut judged = |by: u32| {
+                let (_, mut shown) = part.show(0).map_err(Failure::reason).expect("drawn");
+                for address in &mut shown.addresses {
+                    *address += if *address & 255 < 255 { by } else { 0 };
+                }
+                let verdict = part.judge(0, shown).map_err(Failure::reason);
+                verdict.expect("a verdict").status
+            };
+            assert_eq!(judged(0), Status::Ok, "{name}");
+            assert_eq!(judged(1), Status::Wrong, "{name}");
+        }
+    });
 #[test]
 fn a_texel_beside_the_right_one_is_found_wrong() {
     let place = WrappedPoint {
