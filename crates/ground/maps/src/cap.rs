@@ -4,45 +4,37 @@
 //! Both coordinates run from 0 to 1 over the square around the circle of [`max_latitude_rad`]. Its middle is the
 //! pole, so no coordinate jumps and none is undefined there.
 
-use crate::max_latitude_rad;
+use crate::tile::END_SINE;
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_4;
-use terrafill_core::Ellipsoid;
 
 /// Half of a cap's side on the plane that touches the unit sphere's middle: `tan((90° − 85.05°) / 2)`.
 pub const CAP_SPAN: f64 = 0.043_213_918_263_772_18;
 
 /// Coordinates in the cap of the nearer pole; `None` where the map reaches.
 ///
-/// The direction is the geodetic normal, which is the sphere that a stereographic picture is of.
+/// - `normal`: geodetic, of length 1: a place of the sphere that a stereographic picture is of
 #[must_use]
-pub fn cap_point(body: &Ellipsoid, ecef: DVec3) -> Option<[f64; 2]> {
-    let place = body.ecef_to_geodetic(ecef);
-    if place.latitude_rad.abs() <= max_latitude_rad() {
+pub fn cap_point(normal: DVec3) -> Option<[f64; 2]> {
+    if normal.z.abs() <= END_SINE {
         return None;
     }
-    // tan(45° − φ/2) is exact near the pole, where 1 + sin φ and cos φ are not.
-    let radius = (FRAC_PI_4 - 0.5 * place.latitude_rad.abs()).tan();
-    let (sin, cos) = place.longitude_rad.sin_cos();
-    Some([cos, sin].map(|along| 0.5 + 0.5 * radius * along / CAP_SPAN))
+    // tan(45° − φ/2) = cos φ / (1 + sin φ), where nothing cancels.
+    let span = (1.0 + normal.z.abs()) * CAP_SPAN;
+    Some([normal.x, normal.y].map(|along| 0.5 + 0.5 * along / span))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
-    use terrafill_core::Geodetic;
+    use crate::max_latitude_rad;
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+    use terrafill_core::Ellipsoid;
 
     #[test]
     fn a_cap_begins_where_the_map_ends_and_holds_the_pole_in_its_middle() {
         let body = Ellipsoid::WGS84;
         let at = |longitude_rad: f64, latitude_rad: f64| {
-            let place = Geodetic {
-                longitude_rad,
-                latitude_rad,
-                height_m: 0.0,
-            };
-            cap_point(&body, body.geodetic_to_ecef(place))
+            cap_point(body.geodetic_surface_normal(longitude_rad, latitude_rad))
         };
         let edge = max_latitude_rad();
         assert!((CAP_SPAN - (FRAC_PI_4 - 0.5 * edge).tan()).abs() < 1e-15);

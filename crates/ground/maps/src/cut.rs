@@ -178,12 +178,7 @@ mod tests {
             let cut = cut_cap(&[fine], is_south);
             let sign = if is_south { -1.0 } else { 1.0 };
             let latitude_rad = sign * (max_latitude_rad() + 0.02);
-            let place = body.geodetic_to_ecef(Geodetic {
-                longitude_rad: 2.0,
-                latitude_rad,
-                height_m: 0.0,
-            });
-            let at = cap_point(&body, place).expect("a cap");
+            let at = cap_point(body.geodetic_surface_normal(2.0, latitude_rad)).expect("a cap");
             let [x, y] = at.map(|at| (at * 256.0) as usize);
             let expected = fine.colour(2.0, latitude_rad);
             let found = cut[4 * (256 * y + x)];

@@ -20,4 +20,6 @@ pub use projection::{HALF_RIM, dome, hyperbolic_cartesian, hyperbolic_polar};
 pub use quadtree::{Node, Quadtree, Thresholds, children};
 pub use seam::{Seam, SeamCorner, fragment_u, half_plane_crossings, split};
 pub use slots::{Placed, Slots};
-pub use tile::{MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, place};
+pub use tile::{
+    MapPoint, MapTile, TILE_TEXELS, level_of, max_latitude_rad, mercator_v, mercator_v_of, place,
+};

@@ -6,16 +6,21 @@
 //! the map's width of 1. Poleward of [`max_latitude_rad`] there is no map, and `V'` is outside 0 … 1.
 
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use terrafill_core::{Ellipsoid, Geodetic};
 
 /// Texels along a side of a tile.
 pub const TILE_TEXELS: f64 = 256.0;
 
+/// `atan(sinh π)`, and its sine: asked for each pixel of a picture.
+const MAX_LATITUDE_RAD: f64 = 1.484_422_229_745_332_4;
+/// `tanh π`.
+pub(crate) const END_SINE: f64 = 0.996_272_076_220_749_9;
+
 /// Eq. (7), `M`: where a map as high as wide ends, 85.0511287798°.
 #[must_use]
 pub fn max_latitude_rad() -> f64 {
-    PI.sinh().atan()
+    MAX_LATITUDE_RAD
 }
 
 /// A vertex's texture coordinates.
@@ -48,6 +53,16 @@ impl MapPoint {
 pub fn mercator_v(v: f64) -> f64 {
     let latitude_rad = 2.0 * max_latitude_rad() * (v - 0.5);
     0.5 - latitude_rad.tan().asinh() / TAU
+}
+
+/// Eq. (8) of a place by the body's unit normal there: `V' = ½ ∓ ln((1 + |sin φ|) / cos φ) / 2π`, counted from the nearer
+/// pole, where nothing cancels.
+#[must_use]
+pub fn mercator_v_of(normal: DVec3) -> f64 {
+    // At a pole itself far off the map, and a number.
+    let across = normal.x.hypot(normal.y).max(f64::MIN_POSITIVE);
+    let up = ((1.0 + normal.z.abs()) / across).ln();
+    0.5 - up.copysign(normal.z) / TAU
 }
 
 /// The place on the body that a map shows at `(U, V')`.
@@ -92,6 +107,7 @@ impl MapTile {
 
 /// The least level of which no texel is larger than a pixel: `⌈log2(2πR cos φ f / 256 d)⌉`.
 ///
+/// - `cosine`: of the latitude φ
 /// - `focal_px`: pixels per radian in the image's middle
 /// - `distance_m`: from the eye
 #[must_use]
@@ -99,8 +115,8 @@ impl MapTile {
     clippy::cast_possible_truncation,
     reason = "a level is small and not negative"
 )]
-pub fn level_of(body: &Ellipsoid, latitude_rad: f64, focal_px: f64, distance_m: f64) -> u32 {
-    let round_m = TAU * body.equatorial_radius_m() * latitude_rad.cos();
+pub fn level_of(body: &Ellipsoid, cosine: f64, focal_px: f64, distance_m: f64) -> u32 {
+    let round_m = TAU * body.equatorial_radius_m() * cosine;
     let level = (round_m * focal_px / (TILE_TEXELS * distance_m)).log2();
     level.ceil().max(0.0) as u32
 }
@@ -108,10 +124,14 @@ pub fn level_of(body: &Ellipsoid, latitude_rad: f64, focal_px: f64, distance_m: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn the_papers_form_is_web_mercator() {
         assert!((max_latitude_rad().to_degrees() - 85.051_128_779_8).abs() < 1e-10);
+        assert!((max_latitude_rad() - PI.sinh().atan()).abs() < f64::EPSILON);
+        assert!((END_SINE - PI.tanh()).abs() < f64::EPSILON);
+        assert!(mercator_v_of(DVec3::Z).is_finite() && mercator_v_of(-DVec3::Z) > 1.0);
         let body = Ellipsoid::WGS84;
         for i in -850..=850_i32 {
             let latitude_rad = (f64::from(i) * 0.1).to_radians();
@@ -124,6 +144,8 @@ mod tests {
             let point = MapPoint::new(&body, ecef);
             let usual = 0.5 - (PI / 4.0 + latitude_rad / 2.0).tan().ln() / TAU;
             assert!((point.mercator_v - usual).abs() < 2e-15, "{i}");
+            let (normal, _) = body.normal_and_height(ecef);
+            assert!((mercator_v_of(normal) - usual).abs() < 2e-15, "{i}");
             let back = place(&body, point.u, point.mercator_v);
             assert!((back - ecef).length() < 1e-7, "{i}");
             // Negative control: geocentric latitude is up to 21.4 km off.
@@ -151,7 +173,7 @@ mod tests {
         // A texel of the equator at level 10 is 2πR / 262,144 wide. Where a pixel is as wide, level 10 is
         // enough, and from nearer it is not.
         let texel_m = TAU / 262_144.0;
-        assert_eq!(level_of(&body, 0.0, 100.0, 100.0 * texel_m * 1.001), 10);
-        assert_eq!(level_of(&body, 0.0, 100.0, 100.0 * texel_m * 0.999), 11);
+        assert_eq!(level_of(&body, 1.0, 100.0, 100.0 * texel_m * 1.001), 10);
+        assert_eq!(level_of(&body, 1.0, 100.0, 100.0 * texel_m * 0.999), 11);
     }
 }

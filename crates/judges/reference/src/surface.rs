@@ -214,13 +214,10 @@ impl SurfaceTriangles {
         let ray = Ray::new(direction);
         let length = direction.length();
         let mut nearest = (f64::INFINITY, 0);
-        let mut pending = Vec::with_capacity(64);
-        pending.extend(
-            self.nodes
-                .first()
-                .and_then(|all| ray.enters(all))
-                .map(|t| (t, 0)),
-        );
+        let mut pending = Pending::default();
+        if let Some(entry) = self.nodes.first().and_then(|all| ray.enters(all)) {
+            pending.push((entry, 0));
+        }
         while let Some((entry, index)) = pending.pop() {
             if entry > nearest.0 * (1.0 + BOX_MARGIN) {
                 continue;
@@ -245,7 +242,9 @@ impl SurfaceTriangles {
             {
                 entries.swap(0, 1);
             }
-            pending.extend(entries.into_iter().flatten());
+            for entry in entries.into_iter().flatten() {
+                pending.push(entry);
+            }
         }
         nearest.0.is_finite().then_some(nearest)
     }
@@ -338,6 +337,37 @@ fn longest_axis(entries: &[Entry]) -> usize {
         high = high.max(middle);
     }
     (high - low).max_position()
+}
+
+/// Halves of the tree that are not searched yet. On the way down one waits at each step, so that nothing has to be
+/// allocated for a ray.
+struct Pending {
+    halves: [(f64, usize); MAX_PENDING],
+    count: usize,
+}
+
+/// As many as the tree of 2⁴⁰ triangles has steps.
+const MAX_PENDING: usize = 40;
+
+impl Default for Pending {
+    fn default() -> Self {
+        Self {
+            halves: [(0.0, 0); MAX_PENDING],
+            count: 0,
+        }
+    }
+}
+
+impl Pending {
+    fn push(&mut self, half: (f64, usize)) {
+        self.halves[self.count] = half;
+        self.count += 1;
+    }
+
+    fn pop(&mut self) -> Option<(f64, usize)> {
+        self.count = self.count.checked_sub(1)?;
+        Some(self.halves[self.count])
+    }
 }
 
 /// A direction from the origin, ready for boxes.

@@ -23,7 +23,7 @@ pub use metrics::{
     GLOBE_WHOLE_GPU_MS, METRICS, PATH, PICTURES, pixels,
 };
 pub use opened::{Opened, left_out, no_kind};
-pub use pixels::{SNAPPED_PX, around, quantiles, shares, sorted};
+pub use pixels::{SNAPPED_PX, around, quantiles, shares};
 pub use view::{Eye, ViewRow};
 
 /// Name of the study that cases of all parts are of.

@@ -2,22 +2,15 @@
 //! Figures of a picture's pixels, and of what a pixel's ray meets.
 
 use glam::DVec3;
-use rayon::prelude::*;
 use terrafill_results::quantile;
 use terrafill_study::Figures;
 
 /// How far a triangle's corner may be from where it is, along each axis: a device keeps them in steps of 1/256 px.
 pub const SNAPPED_PX: f64 = 1.0 / 256.0;
 
-/// For several quantiles of a picture's pixels: what is sorted once is not sorted again by each.
-pub fn sorted(mut values: Vec<f64>) -> Vec<f64> {
-    values.par_sort_unstable_by(f64::total_cmp);
-    values
-}
-
 /// Figures of a picture's pixels; none of those that nothing has.
 ///
-/// - `of`: name, sorted values, share of the pixels that does not exceed it
+/// - `of`: name, values, share of the pixels that does not exceed it
 pub fn quantiles(of: &[(&'static str, &Vec<f64>, f64)]) -> Figures {
     let figures = of.iter();
     figures

@@ -7,16 +7,12 @@
 //! from the corners of the triangle instead: longitude and Mercator's latitude, which gives a second one.
 
 use glam::DVec3;
-use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::f64::consts::{PI, TAU};
 use terrafill_contract::Picture;
-use terrafill_core::Geodetic;
-use terrafill_globe_views::{Eye, shares, sorted};
+use terrafill_globe_views::{Eye, shares};
 use terrafill_reference::SurfaceTriangles;
 use terrafill_results::quantile;
 use terrafill_surface::SurfaceFrame;
-
-/// Where Mercator's square ends, radians: `atan(sinh π)`.
-const MERCATOR_END_RAD: f64 = 1.484_422_229_745_332_4;
 
 /// Median, 99 % and the largest of something.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,12 +23,11 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    fn of(values: Vec<f64>) -> Option<Self> {
-        let values = sorted(values);
+    fn of(values: &[f64]) -> Option<Self> {
         Some(Self {
-            median: quantile(&values, 0.5)?,
-            p99: quantile(&values, 0.99)?,
-            max: quantile(&values, 1.0)?,
+            median: quantile(values, 0.5)?,
+            p99: quantile(values, 0.99)?,
+            max: quantile(values, 1.0)?,
         })
     }
 }
@@ -71,6 +66,33 @@ pub(crate) struct Met {
     facet: Option<[DVec3; 3]>,
 }
 
+/// Where a pixel's ray meets the body.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Truth {
+    /// View depth.
+    depth: f64,
+    /// Metres.
+    pub(crate) ecef: DVec3,
+    /// Unit outward normal of the body there.
+    pub(crate) normal: DVec3,
+}
+
+/// Pixels in rows; the same for all surfaces in a view.
+pub(crate) fn truths(eye: &Eye) -> Vec<Option<Truth>> {
+    let camera = &eye.camera;
+    let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);
+    eye.by_pixel(|_, _, direction| {
+        let depth = body.hit(direction, camera.near_m)?;
+        let ecef = camera.eye_ecef + direction * depth;
+        let (normal, _) = eye.body.normal_and_height(ecef);
+        Some(Truth {
+            depth,
+            ecef,
+            normal,
+        })
+    })
+}
+
 /// A pixel that shows the body and the surface.
 #[derive(Debug, Clone, Copy)]
 struct PixelError {
@@ -90,10 +112,12 @@ struct Pixel {
 }
 
 /// Of the triangles of a frame.
-pub(crate) fn of_frame(eye: &Eye, frame: &SurfaceFrame) -> Errors {
+///
+/// - `truths`: of the same eye
+pub(crate) fn of_frame(eye: &Eye, truths: &[Option<Truth>], frame: &SurfaceFrame) -> Errors {
     let triangles = SurfaceTriangles::new(frame);
     let lost = usize::try_from(triangles.non_finite()).unwrap_or(usize::MAX);
-    let mut errors = measure(eye, |_, direction| {
+    let mut errors = measure(eye, truths, |_, direction| {
         let (depth, facet) = triangles.hit_facet(direction, eye.camera.near_m)?;
         Some(Met {
             depth,
@@ -105,8 +129,10 @@ pub(crate) fn of_frame(eye: &Eye, frame: &SurfaceFrame) -> Errors {
 }
 
 /// Of the depth that a device wrote.
-pub(crate) fn of_depth(eye: &Eye, picture: &Picture) -> Errors {
-    measure(eye, |pixel, _| {
+///
+/// - `truths`: of the same eye
+pub(crate) fn of_depth(eye: &Eye, truths: &[Option<Truth>], picture: &Picture) -> Errors {
+    measure(eye, truths, |pixel, _| {
         let depth = f64::from(picture.depth[pixel]);
         (depth != 0.0).then(|| Met {
             depth: eye.camera.near_m / depth,
@@ -115,11 +141,21 @@ pub(crate) fn of_depth(eye: &Eye, picture: &Picture) -> Errors {
     })
 }
 
-fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Errors {
+fn measure(
+    eye: &Eye,
+    truths: &[Option<Truth>],
+    met: impl Fn(usize, DVec3) -> Option<Met> + Sync,
+) -> Errors {
     let body = SurfaceTriangles::of_body(&eye.body, eye.camera.eye_ecef);
     let pixels = eye.by_pixel_with(|corners: &mut MapCorners, pixel, centre, direction| {
         let met = met(pixel, direction);
-        judge(eye, &body, (centre, direction), met, corners)
+        judge(
+            eye,
+            (&body, truths[pixel]),
+            (centre, direction),
+            met,
+            corners,
+        )
     });
     let found: Vec<PixelError> = pixels.iter().filter_map(|pixel| pixel.error).collect();
     let is_finite = |error: &PixelError| {
@@ -135,9 +171,9 @@ fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Error
     let count = |of: &dyn Fn(&Pixel) -> bool| pixels.iter().filter(|pixel| of(pixel)).count();
     Errors {
         compared_px: found.len(),
-        px: Range::of(all(&|error| error.px)),
+        px: Range::of(&all(&|error| error.px)),
         max_m: largest(all(&|error| error.metres)),
-        map_px: Range::of(map_px),
+        map_px: Range::of(&map_px),
         map_max_m: largest(maps.iter().map(|map| map[1]).collect()),
         depth_m: largest(all(&|error| error.depth_m)),
         lowest_m: all(&|error| error.height_m)
@@ -152,19 +188,18 @@ fn measure(eye: &Eye, met: impl Fn(usize, DVec3) -> Option<Met> + Sync) -> Error
 
 fn judge(
     eye: &Eye,
-    body: &SurfaceTriangles,
+    (body, truth): (&SurfaceTriangles, Option<Truth>),
     (centre, direction): ([f64; 2], DVec3),
     met: Option<Met>,
     corners: &mut MapCorners,
 ) -> Pixel {
     let (camera, size) = (&eye.camera, eye.size);
-    let true_depth = body.hit(direction, camera.near_m);
     let mut pixel = Pixel {
-        is_body: true_depth.is_some(),
+        is_body: truth.is_some(),
         is_shown: met.is_some(),
         ..Pixel::default()
     };
-    let Some(true_depth) = true_depth else {
+    let Some(truth) = truth else {
         return pixel;
     };
     if !pixel.is_shown {
@@ -175,22 +210,21 @@ fn judge(
         });
     }
     pixel.error = met.map(|met| {
-        let true_ecef = camera.eye_ecef + direction * true_depth;
         let drawn_ecef = camera.eye_ecef + direction * met.depth;
-        let drawn = eye.body.ecef_to_geodetic(drawn_ecef);
-        let shift = |place: Geodetic| {
-            let foot = eye.below(place);
-            [shift_px(eye, foot, centre), (foot - true_ecef).length()]
+        let (normal, height_m) = eye.body.normal_and_height(drawn_ecef);
+        let shift = |normal: DVec3| {
+            let foot = eye.body.surface_point(normal);
+            [shift_px(eye, foot, centre), (foot - truth.ecef).length()]
         };
-        let [px, metres] = shift(drawn);
+        let [px, metres] = shift(normal);
         PixelError {
             px,
             metres,
             map: met
                 .facet
                 .map(|facet| shift(corners.between(eye, facet, direction * met.depth))),
-            depth_m: (met.depth - true_depth).abs() * direction.length(),
-            height_m: drawn.height_m,
+            depth_m: (met.depth - truth.depth).abs() * direction.length(),
+            height_m,
         }
     });
     pixel
@@ -217,13 +251,13 @@ pub(crate) struct MapCorners {
 }
 
 impl MapCorners {
-    /// The place that they give, interpolated, for a point of the triangle.
-    pub(crate) fn between(&mut self, eye: &Eye, facet: [DVec3; 3], point: DVec3) -> Geodetic {
+    /// Normal of the body at the place that they give, interpolated, for a point of the triangle.
+    pub(crate) fn between(&mut self, eye: &Eye, facet: [DVec3; 3], point: DVec3) -> DVec3 {
         if self.facet != facet {
             self.facet = facet;
             self.corners = facet.map(|corner| {
-                let place = eye.body.ecef_to_geodetic(corner + eye.camera.eye_ecef);
-                [place.longitude_rad, mercator(place.latitude_rad)]
+                let (normal, _) = eye.body.normal_and_height(corner + eye.camera.eye_ecef);
+                [normal.y.atan2(normal.x), mercator(normal)]
             });
         }
         let [first, _] = self.corners[0];
@@ -233,16 +267,19 @@ impl MapCorners {
             east += share * (across - TAU * (across / TAU).round());
             up += share * y;
         }
-        Geodetic {
-            longitude_rad: first + east,
-            latitude_rad: up.sinh().atan(),
-            height_m: 0.0,
-        }
+        // Sine and cosine of the latitude are tanh and 1 / cosh of Mercator's y.
+        let (sine, cosine) = (first + east).sin_cos();
+        let grown = up.exp();
+        let across = 2.0 * grown / (grown * grown + 1.0);
+        let north = (grown * grown - 1.0) / (grown * grown + 1.0);
+        DVec3::new(across * cosine, across * sine, north)
     }
 }
 
-/// Mercator's y of a latitude, ±π at the ends of its square and beyond.
-fn mercator(latitude_rad: f64) -> f64 {
-    let latitude = latitude_rad.clamp(-MERCATOR_END_RAD, MERCATOR_END_RAD);
-    (FRAC_PI_4 + 0.5 * latitude).tan().ln().clamp(-PI, PI)
+/// Mercator's y of a place by its normal, ±π at the ends of its square and beyond.
+fn mercator(normal: DVec3) -> f64 {
+    let across = normal.x.hypot(normal.y);
+    // From the nearer pole, where nothing cancels.
+    let y = ((1.0 + normal.z.abs()) / across).ln();
+    y.min(PI).copysign(normal.z)
 }

@@ -6,12 +6,10 @@
 //! the pixel's centre. There `i` is the ray's angle with the normal, `d` its length, `f` pixels per radian. Both are
 //! put together by projecting each pixel's true place raised by `s`.
 
-use crate::error::shift_px;
+use crate::error::{Truth, shift_px};
 use crate::list::Formula;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use terrafill_core::Geodetic;
 use terrafill_globe_views::Eye;
-use terrafill_reference::SurfaceTriangles;
 
 /// Highest eye for which the formula of the screen grid's map error was found to hold, metres.
 const SCREEN_GRID_MAX_HEIGHT_M: f64 = 1e5;
@@ -34,7 +32,14 @@ pub(crate) struct Expected {
 }
 
 /// Of a surface with this knob.
-pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
+///
+/// - `truths`: of the same eye
+pub(crate) fn expected(
+    formula: Formula,
+    knob: f64,
+    eye: &Eye,
+    truths: &[Option<Truth>],
+) -> Expected {
     match formula {
         Formula::None => Expected {
             by: "no formula",
@@ -48,18 +53,17 @@ pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
         Formula::CellShare => {
             // A tile's cells are as its nearest place allows, so this is the most.
             let by = "κ² d² (1 + cos² φ) / 8R at most, κ = cell / distance";
-            hanging(eye, by, |place, radius_m| {
-                let there = eye.body.geodetic_to_ecef(place);
-                let side_m = knob * there.distance(eye.camera.eye_ecef);
-                side_m * side_m * (1.0 + place.latitude_rad.cos().powi(2)) / (8.0 * radius_m)
+            hanging(eye, truths, by, |truth, radius_m| {
+                let side_m = knob * truth.ecef.distance(eye.camera.eye_ecef);
+                side_m * side_m * (1.0 + squared_cosine(truth)) / (8.0 * radius_m)
             })
         }
         Formula::Uniform => {
             let step = PI / knob;
             let by = "R q² (1 + cos² φ) / 8, q = π / rows";
             // Half the diagonal of a cell is the radius of the circle around its triangles.
-            hanging(eye, by, |place, radius_m| {
-                radius_m * step * step * (1.0 + place.latitude_rad.cos().powi(2)) / 8.0
+            hanging(eye, truths, by, |truth, radius_m| {
+                radius_m * step * step * (1.0 + squared_cosine(truth)) / 8.0
             })
         }
         Formula::Spiral => {
@@ -67,8 +71,8 @@ pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
             let radii = eye.body.radii_m();
             let focus = (eye.camera.eye_ecef / radii).normalize();
             let by = "R q² (r² + sin² r) / 8, q = 2π / n, cells square";
-            hanging(eye, by, |place, radius_m| {
-                let there = (eye.body.geodetic_to_ecef(place) / radii).normalize();
+            hanging(eye, truths, by, |truth, radius_m| {
+                let there = (truth.ecef / radii).normalize();
                 let angle = focus.angle_between(there);
                 radius_m * step * step * (angle * angle + angle.sin().powi(2)) / 8.0
             })
@@ -77,24 +81,23 @@ pub(crate) fn expected(formula: Formula, knob: f64, eye: &Eye) -> Expected {
     }
 }
 
+/// Of a place's latitude.
+fn squared_cosine(truth: &Truth) -> f64 {
+    truth.normal.x * truth.normal.x + truth.normal.y * truth.normal.y
+}
+
 /// Largest error and lowest place where facets hang by `sagitta_m` below each place that is seen.
 fn hanging(
     eye: &Eye,
+    truths: &[Option<Truth>],
     by: &'static str,
-    sagitta_m: impl Fn(Geodetic, f64) -> f64 + Sync,
+    sagitta_m: impl Fn(&Truth, f64) -> f64 + Sync,
 ) -> Expected {
-    let camera = &eye.camera;
-    let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);
     let radius_m = eye.body.equatorial_radius_m();
-    let found = eye.by_pixel(|_, centre, direction| {
-        let depth = body.hit(direction, camera.near_m)?;
-        let ecef = camera.eye_ecef + direction * depth;
-        let place = eye.body.ecef_to_geodetic(ecef);
-        let sagitta = sagitta_m(place, radius_m);
-        let raised = eye.body.geodetic_to_ecef(Geodetic {
-            height_m: place.height_m + sagitta,
-            ..place
-        });
+    let found = eye.by_pixel(|pixel, centre, _| {
+        let truth = truths[pixel].as_ref()?;
+        let sagitta = sagitta_m(truth, radius_m);
+        let raised = truth.ecef + truth.normal * sagitta;
         Some([shift_px(eye, raised, centre), -sagitta])
     });
     let all = |which: usize| found.iter().flatten().map(move |found| found[which]);
@@ -140,7 +143,7 @@ fn screen_grid(rects: f64, eye: &Eye) -> Expected {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::of_frame;
+    use crate::error::{of_frame, truths};
     use crate::list::List;
     use glam::DVec3;
     use terrafill_core::Ellipsoid;
@@ -163,8 +166,8 @@ mod tests {
             let eye = eye(view, 120);
             let surface = EllipsoidKind::surface(&Ellipsoid::WGS84, rows);
             let frame = surface.frame(&eye.camera, eye.size).expect("a frame");
-            let found = of_frame(&eye, &frame);
-            let of = |rows: u32| expected(Formula::Uniform, f64::from(rows), &eye);
+            let found = of_frame(&eye, &truths(&eye), &frame);
+            let of = |rows: u32| expected(Formula::Uniform, f64::from(rows), &eye, &truths(&eye));
             let holds = |expected: Expected| {
                 let px = found.px.expect("pixels").max / expected.px_max.expect("px");
                 let low = found.lowest_m.expect("low") / expected.lowest_m.expect("low");
@@ -203,23 +206,30 @@ mod tests {
             assert!((1.0..1.06).contains(&(closed / px)), "{height_m}: {closed}");
             if height_m > 7e6 {
                 // Seen whole, at the limb: rays there are 7 % off the axis times its cosine squared.
-                let found = expected(Formula::Spiral, n, &eye).px_max.expect("px");
+                let found = expected(Formula::Spiral, n, &eye, &truths(&eye))
+                    .px_max
+                    .expect("px");
                 let off_axis = 1.0 / (radius_m / (radius_m + height_m)).asin().cos().powi(2);
                 assert!(
                     (found / (closed * off_axis) - 1.0).abs() < 0.03,
                     "{found} {closed}"
                 );
                 // Negative control: with other turns.
-                let other = expected(Formula::Spiral, 24.0, &eye).px_max.expect("px");
+                let other = expected(Formula::Spiral, 24.0, &eye, &truths(&eye))
+                    .px_max
+                    .expect("px");
                 assert!((other / (closed * off_axis) - 1.0).abs() > 0.5);
             }
         }
         // Facets 0.4 km below the body are close to it seen from 100 km, and not from 2 km.
-        let of = |view| expected(Formula::Uniform, 180.0, &eye(view, 8)).px_max;
+        let of = |view| {
+            let eye = eye(view, 8);
+            expected(Formula::Uniform, 180.0, &eye, &truths(&eye)).px_max
+        };
         assert!(of("horizon-2km").is_none() && of("oblique-100km").is_some());
         let globe = eye("globe", 800);
         let lowest = |n| {
-            expected(Formula::ScreenGrid, n, &globe)
+            expected(Formula::ScreenGrid, n, &globe, &[])
                 .lowest_m
                 .expect("low")
                 * 1e-3
@@ -228,7 +238,7 @@ mod tests {
             assert!((lowest(n) / km - 1.0).abs() < 0.01, "{n}: {}", lowest(n));
         }
         assert_eq!(
-            expected(Formula::ScreenGrid, 10.0, &eye("horizon-2km", 8)).px_max,
+            expected(Formula::ScreenGrid, 10.0, &eye("horizon-2km", 8), &[]).px_max,
             None
         );
     }
@@ -238,7 +248,7 @@ mod tests {
         let eye = eye("globe", 64);
         let surface = EllipsoidKind::surface(&Ellipsoid::WGS84, 18);
         let mut frame = surface.frame(&eye.camera, eye.size).expect("a frame");
-        let right = of_frame(&eye, &frame);
+        let right = of_frame(&eye, &truths(&eye), &frame);
         assert_eq!((right.uncovered_px, right.extra_px), (0, 0));
         let middle = 32 * 64 + 32;
         assert!(right.shown[middle] && !right.shown[0]);
@@ -254,7 +264,7 @@ mod tests {
         };
         let holed = frame.triangles.iter().filter(near).copied().collect();
         let whole = std::mem::replace(&mut frame.triangles, holed);
-        assert!(of_frame(&eye, &frame).uncovered_px > 0);
+        assert!(of_frame(&eye, &truths(&eye), &frame).uncovered_px > 0);
         frame.triangles = whole;
         let small = frame.clone();
         let away = |v: &[f32; 3]| {
@@ -262,10 +272,10 @@ mod tests {
             (ecef * 1.1 - eye.camera.eye_ecef).as_vec3().to_array()
         };
         frame.vertices_rte = frame.vertices_rte.iter().map(away).collect();
-        assert!(of_frame(&eye, &frame).extra_px > 0);
+        assert!(of_frame(&eye, &truths(&eye), &frame).extra_px > 0);
         let mut lost = small.vertices_rte.to_vec();
         lost[100] = [f32::NAN; 3];
         frame.vertices_rte = lost.into();
-        assert!(of_frame(&eye, &frame).non_finite > 0);
+        assert!(of_frame(&eye, &truths(&eye), &frame).non_finite > 0);
     }
 }

@@ -38,7 +38,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_globe_views::{Eye, FrameWatch, Opened, fingerprint, sorted, write_png};
+use terrafill_globe_views::{Eye, FrameWatch, Opened, fingerprint, write_png};
 use terrafill_results::{Case, PlannedCase, Verdict, quantile};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
 use texels::Pictures;
@@ -174,7 +174,7 @@ impl ShadingPart<'_> {
         let layers = (&sampled, &self.group.sources);
         // Clouds that have not moved are no control of themselves.
         let controls = work.what == "layers";
-        let mut found = judge(eye, met, lights, layers, picture, controls);
+        let found = judge(eye, met, lights, layers, picture, controls);
         let mut figures = vec![
             ("globe_shade_px", found.shown as f64),
             ("globe_shade_beyond_px", found.beyond as f64),
@@ -193,7 +193,7 @@ impl ShadingPart<'_> {
             let other = mesh.met(eye, work.projection.next());
             let other = judge(eye, &other, lights, layers, picture, false).beyond;
             let fine = mesh.met_finer(eye, work.projection);
-            let of = |met: &Met| sorted(met.off_formula(eye, work.projection));
+            let of = |met: &Met| met.off_formula(eye, work.projection);
             let (coarse, fine) = (of(met), of(&fine));
             let [most, fine] = [&coarse, &fine].map(|of| quantile(of, 0.99).unwrap_or(f64::NAN));
             is_tessellation = fine < FINER * most;

@@ -3,7 +3,7 @@
 
 use crate::STUDY;
 use crate::api::RAYS;
-use crate::error::{Errors, of_depth, of_frame};
+use crate::error::{Errors, Truth, of_depth, of_frame, truths};
 use crate::expected::{Expected, expected};
 use crate::list::{SurfaceRow, number};
 use crate::metrics::{API, KNOB, SIZE_PX, SURFACE, VALUE, VIEW};
@@ -156,6 +156,7 @@ impl SurfacesView {
                     sight: &group.work,
                     context,
                     targets: BTreeMap::new(),
+                    truths: None,
                     judged: BTreeMap::new(),
                     ready: BTreeMap::new(),
                 })))
@@ -182,6 +183,8 @@ struct SightPart<'a> {
     context: Context<'a>,
     /// By [`Work::targets`].
     targets: BTreeMap<&'static str, Box<dyn SurfaceTargets>>,
+    /// Of the view's pixels, where a case is judged.
+    truths: Option<Vec<Option<Truth>>>,
     /// By kind and parameters.
     judged: BTreeMap<String, Rc<Judged>>,
     /// By case.
@@ -245,13 +248,14 @@ impl Shows for SightPart<'_> {
     fn judge(&mut self, case: usize, (frame, picture): Self::Shown) -> Result<Verdict, Failure> {
         let SurfacesView { eye, works, .. } = self.sight;
         let work = &works[case];
+        let truths = self.truths.get_or_insert_with(|| truths(eye));
         let (judged, otherwise) = if let (Some(chosen), Some(frame)) = (&work.surface, &frame) {
             let key = format!("{} {}", chosen.row.kind, chosen.parameters());
             let judged = self.judged.entry(key).or_insert_with(|| {
                 let knob = number(&chosen.value).unwrap_or(f64::NAN);
                 Rc::new(Judged {
-                    errors: of_frame(eye, frame),
-                    expected: expected(chosen.row.expected, knob, eye),
+                    errors: of_frame(eye, truths, frame),
+                    expected: expected(chosen.row.expected, knob, eye, truths),
                 })
             });
             let width = eye.size.width as usize;
@@ -266,7 +270,7 @@ impl Shows for SightPart<'_> {
                 by: "0 by construction",
             };
             let judged = Judged {
-                errors: of_depth(eye, &picture),
+                errors: of_depth(eye, truths, &picture),
                 expected: by_construction,
             };
             (Rc::new(judged), None)

@@ -23,7 +23,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_globe_views::{
-    Eye, FrameWatch, Opened, STUDY, ViewRow, fingerprint, quantiles, sorted, write_png,
+    Eye, FrameWatch, Opened, STUDY, ViewRow, fingerprint, quantiles, write_png,
 };
 use terrafill_maps::{CAP_SPAN, MapTile, PictureLevel, cut_cap, cut_tile};
 use terrafill_results::{CaseId, PlannedCase, RunInput, Verdict};
@@ -250,11 +250,11 @@ fn place(body: &WrappedPoint) -> [f64; 2] {
             let [x, y] = cap.map(|at| (2.0 * at - 1.0) * CAP_SPAN);
             let latitude = std::f64::consts::FRAC_PI_2 - 2.0 * x.hypot(y).atan();
             // V' runs from north to south.
-            [y.atan2(x), latitude.copysign(0.5 - body.mercator_vs[0])]
+            [y.atan2(x), latitude.copysign(0.5 - body.by_vertex)]
         }
         None => [
             (body.u - 0.5) * TAU,
-            (TAU * (0.5 - body.mercator_vs[0])).sinh().atan(),
+            (TAU * (0.5 - body.by_vertex)).sinh().atan(),
         ],
     }
 }
@@ -346,10 +346,10 @@ impl Shows for PicturePart<'_> {
             ("globe_triangles", drawn.triangles as f64),
             ("globe_upload_bytes", drawn.sent as f64),
         ];
-        let off = sorted(found.off);
+        let off = &found.off;
         figures.extend(quantiles(&[
-            ("globe_tile_colour_off_median", &off, 0.5),
-            ("globe_tile_colour_off_p99", &off, 0.99),
+            ("globe_tile_colour_off_median", off, 0.5),
+            ("globe_tile_colour_off_p99", off, 0.99),
         ]));
         let reason = match (found.texels, found.wrong) {
             (0, _) => "no pixel shows a texel".to_owned(),

@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_globe_views::{
-    Eye, FrameWatch, OTHER_TRIANGLES, Opened, STUDY, ViewRow, fingerprint, quantiles, sorted,
+    Eye, FrameWatch, OTHER_TRIANGLES, Opened, STUDY, ViewRow, fingerprint, quantiles,
 };
 use terrafill_results::{CaseId, PlannedCase, Verdict};
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
@@ -438,7 +438,7 @@ fn verdict(
         ("globe_upload_bytes", sent as f64),
     ];
     figures.extend(step.map(|step| ("globe_tile_step_texels", step)));
-    let [drawn, body] = [found.drawn, found.body].map(sorted);
+    let [drawn, body] = [found.drawn, found.body];
     figures.extend(quantiles(&[
         ("globe_tile_texels_max", &drawn, 1.0),
         ("globe_tile_texels_p99", &drawn, 0.99),

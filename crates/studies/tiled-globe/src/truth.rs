@@ -11,6 +11,7 @@ use std::ops::RangeInclusive;
 use terrafill_globe_views::{Eye, SNAPPED_PX, around};
 use terrafill_maps::{
     MapPoint, MapTile, TILE_TEXELS, cap_point, half_plane_crossings, level_of, mercator_v,
+    mercator_v_of,
 };
 use terrafill_reference::SurfaceTriangles;
 use terrafill_surface::SurfaceFrame;
@@ -80,8 +81,10 @@ impl Tile {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WrappedPoint {
     pub(crate) u: f64,
-    /// By the vertex, and by the fragment.
-    pub(crate) mercator_vs: [f64; 2],
+    /// V' by the vertex.
+    pub(crate) by_vertex: f64,
+    /// V, of which a fragment makes V'; `None` where both are the same.
+    pub(crate) v: Option<f64>,
     /// Where a cap of a pole shows it.
     pub(crate) cap: Option<[f64; 2]>,
 }
@@ -90,7 +93,13 @@ impl WrappedPoint {
     /// Whether V' is on the map. Beside a cap, a corner beyond the map's end pulls it off: no texel is there, whatever
     /// the seam.
     pub(crate) fn is_on_map(&self, by_fragment: bool) -> bool {
-        (0.0..1.0).contains(&self.mercator_vs[usize::from(by_fragment)])
+        (0.0..1.0).contains(&self.mercator_v(by_fragment))
+    }
+
+    /// V', which costs a tangent where fragments make it.
+    pub(crate) fn mercator_v(&self, by_fragment: bool) -> f64 {
+        let v = self.v.filter(|_| by_fragment);
+        v.map_or(self.by_vertex, mercator_v)
     }
 }
 
@@ -149,34 +158,47 @@ pub(crate) fn truths_of_every(eye: &Eye, frame: &SurfaceFrame, step: u32) -> Vec
     rows.flat_map_iter(of_row).collect()
 }
 
-/// Shares of a triangle's corners where a ray from the eye meets its plane.
-fn shares([a, b, c]: [DVec3; 3], direction: DVec3) -> [f64; 3] {
-    let sides = [b.cross(c), c.cross(a), a.cross(b)].map(|side| side.dot(direction));
-    let sum: f64 = sides.iter().sum();
-    sides.map(|side| side / sum)
-}
-
 /// A triangle's corners on the map, remembered: pixels beside each other mostly show the same one.
 #[derive(Debug, Default)]
 struct MapFacet {
     /// From the eye.
     facet: [DVec3; 3],
-    /// U in one piece, V and V'.
+    /// Of the planes through the eye and the edge across from each corner.
+    planes: [DVec3; 3],
+    /// U in one piece, V' by the vertex, and V.
     corners: [[f64; 3]; 3],
+    /// Of ±180° by its edges.
+    crossings: usize,
 }
 
 impl MapFacet {
-    fn corners(&mut self, eye: &Eye, facet: [DVec3; 3]) -> [[f64; 3]; 3] {
-        if self.facet != facet {
-            self.facet = facet;
-            let points = facet.map(|at| MapPoint::new(&eye.body, at + eye.camera.eye_ecef));
-            let first = points[0].u;
-            self.corners = points.map(|point| {
-                let u = point.u - (point.u - first).round();
-                [u, point.v, point.mercator_v]
-            });
+    fn take(&mut self, eye: &Eye, facet: [DVec3; 3]) {
+        if self.facet == facet {
+            return;
         }
-        self.corners
+        let ecef = facet.map(|corner| corner + eye.camera.eye_ecef);
+        let points = ecef.map(|corner| MapPoint::new(&eye.body, corner));
+        let first = points[0].u;
+        let [a, b, c] = facet;
+        *self = Self {
+            facet,
+            planes: [b.cross(c), c.cross(a), a.cross(b)],
+            corners: points.map(|point| {
+                let u = point.u - (point.u - first).round();
+                [u, point.mercator_v, point.v]
+            }),
+            crossings: half_plane_crossings(ecef),
+        };
+    }
+
+    /// U, V' by the vertex, and V where a ray from the eye meets the triangle's plane.
+    fn at(&self, direction: DVec3) -> [f64; 3] {
+        let sides = self.planes.map(|plane| plane.dot(direction));
+        let sum: f64 = sides.iter().sum();
+        [0, 1, 2].map(|which| {
+            let corners = self.corners.iter().zip(sides);
+            corners.map(|(of, side)| of[which] * (side / sum)).sum()
+        })
     }
 }
 
@@ -189,56 +211,46 @@ fn truth(
 ) -> Option<Truth> {
     let camera = &eye.camera;
     let (depth, facet) = triangles.hit_facet(direction, camera.near_m)?;
-    let corners = facet.map(|corner| corner + camera.eye_ecef);
-    let of_corners = known.corners(eye, facet);
-    let at = |direction: DVec3| {
-        let shares = shares(facet, direction);
-        let mixed = |which: usize| {
-            let corners = of_corners.iter().zip(shares);
-            corners.map(|(of, share)| of[which] * share).sum::<f64>()
-        };
-        [mixed(0), mixed(2), mixed(1)]
-    };
-    let [u, by_vertex, v] = at(direction);
-    let by_fragment = mercator_v(v);
+    known.take(eye, facet);
+    let [u, by_vertex, v] = known.at(direction);
     let beside = [[1.0, 0.0], [0.0, 1.0]].map(|[x, y]| {
         let there = camera.direction_ecef(eye.size, [centre[0] + x, centre[1] + y]);
-        (at(there)[0] - u).abs()
+        (known.at(there)[0] - u).abs()
     });
     let snapped = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|way| {
         let beside = [0, 1].map(|axis| centre[axis] + SNAPPED_PX * way[axis]);
-        let [there_u, by_vertex_there, _] = at(camera.direction_ecef(eye.size, beside));
+        let [there_u, by_vertex_there, _] = known.at(camera.direction_ecef(eye.size, beside));
         (there_u - u).abs().max((by_vertex_there - by_vertex).abs())
     });
     let ecef = camera.eye_ecef + direction * depth;
-    let crossings = half_plane_crossings(corners);
     let drawn = WrappedPoint {
         u,
-        mercator_vs: [by_vertex, by_fragment],
-        cap: cap_point(&eye.body, ecef),
+        by_vertex,
+        v: Some(v),
+        cap: cap_point(eye.body.normal_and_height(ecef).0),
     };
     let of_body = body.hit(direction, camera.near_m);
     let of_body = of_body.map(|depth| on_body(eye, camera.eye_ecef + direction * depth));
-    let is_on_map = [false, true].map(|by_fragment| drawn.is_on_map(by_fragment));
     Some(Truth {
         drawn,
         body: of_body,
         levels: wanted_levels(eye, ecef, direction.length() * depth),
-        is_at_seam: is_on_map == [true; 2]
-            && crossings == 2
-            && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1]),
-        holds_pole: crossings % 2 == 1,
+        is_at_seam: known.crossings == 2
+            && (u - u.round()).abs() <= 2.0 * beside[0].max(beside[1])
+            && [false, true].map(|by_fragment| drawn.is_on_map(by_fragment)) == [true; 2],
+        holds_pole: known.crossings % 2 == 1,
         snapped: snapped.into_iter().fold(0.0, f64::max),
         is_at_outline: false,
     })
 }
 
 fn on_body(eye: &Eye, ecef: DVec3) -> WrappedPoint {
-    let point = MapPoint::new(&eye.body, ecef);
+    let (normal, _) = eye.body.normal_and_height(ecef);
     WrappedPoint {
-        u: point.u,
-        mercator_vs: [point.mercator_v; 2],
-        cap: cap_point(&eye.body, ecef),
+        u: 0.5 + normal.y.atan2(normal.x) / TAU,
+        by_vertex: mercator_v_of(normal),
+        v: None,
+        cap: cap_point(normal),
     }
 }
 
@@ -273,8 +285,8 @@ fn wanted_levels(eye: &Eye, ecef: DVec3, distance_m: f64) -> [u32; 2] {
 pub(crate) fn wanted_level(eye: &Eye, ecef: DVec3, distance_m: f64) -> u32 {
     let radii = eye.body.radii_m();
     let up = (ecef / (radii * radii)).normalize();
-    let latitude_rad = up.z.atan2(up.x.hypot(up.y));
-    level_of(&eye.body, latitude_rad, eye.focal_px(), distance_m).min(MAX_LEVEL)
+    let cosine = up.x.hypot(up.y);
+    level_of(&eye.body, cosine, eye.focal_px(), distance_m).min(MAX_LEVEL)
 }
 
 /// The level of a whole frame, where it has one: by the finest that a pixel of the map asks for.
@@ -288,18 +300,6 @@ pub(crate) fn frame_level(truths: &[Option<Truth>], options: &Options) -> Option
     Some(finest.saturating_sub(below))
 }
 
-/// Tiles that hold a place, by each of these levels, and those that `f32` may take it to be in.
-pub(crate) fn tiles_of(
-    place: &WrappedPoint,
-    by_fragment: bool,
-    levels: RangeInclusive<u32>,
-) -> impl Iterator<Item = Tile> {
-    const ROUNDING: f64 = ROUNDING_TEXELS / TILE_TEXELS;
-    let [u, v] = [place.u, place.mercator_vs[usize::from(by_fragment)]];
-    let beside = move |level: u32| {
-        let count = f64::from(level).exp2();
-        let step = ROUNDING / count;
-        let all = [
 /// The finest level that a view asks for, by rays at the body through the picture's middle, its corners and the middles
 /// of its sides: straight down or at the lower side the ground is nearest.
 pub(crate) fn finest_level(eye: &Eye) -> u32 {
@@ -322,6 +322,18 @@ pub(crate) fn texels_along(level: u32) -> f64 {
     TILE_TEXELS * f64::from(level).exp2()
 }
 
+/// Tiles that hold a place, by each of these levels, and those that `f32` may take it to be in.
+pub(crate) fn tiles_of(
+    place: &WrappedPoint,
+    by_fragment: bool,
+    levels: RangeInclusive<u32>,
+) -> impl Iterator<Item = Tile> {
+    const ROUNDING: f64 = ROUNDING_TEXELS / TILE_TEXELS;
+    let [u, v] = [place.u, place.mercator_v(by_fragment)];
+    let beside = move |level: u32| {
+        let count = f64::from(level).exp2();
+        let step = ROUNDING / count;
+        let all = [
             [0.0, 0.0],
             [step, 0.0],
             [-step, 0.0],
@@ -387,7 +399,7 @@ pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) 
             let at = place.u.rem_euclid(1.0) * side;
             // Round the map the nearer way.
             let at = at + side * ((shown - at) / side).round();
-            let v = place.mercator_vs[usize::from(by_fragment)];
+            let v = place.mercator_v(by_fragment);
             beyond(shown, at).max(beyond(f64::from(row) * TILE_TEXELS + y, v * side))
         }
         (Tile::Cap { .. }, Some(cap)) => {
@@ -396,7 +408,7 @@ pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) 
         }
         // A cap where the map reaches: by how much it should not have been, in its own texels.
         (Tile::Cap { .. }, None) => {
-            let latitude = (TAU * (0.5 - place.mercator_vs[0])).sinh().atan().abs();
+            let latitude = (TAU * (0.5 - place.by_vertex)).sinh().atan().abs();
             let end = terrafill_maps::max_latitude_rad();
             0.5 * TILE_TEXELS * (end - latitude).max(0.0) / (std::f64::consts::FRAC_PI_2 - end)
         }
@@ -421,11 +433,12 @@ mod tests {
         });
         assert!((latitudes[0] - latitudes[1]).abs() > 1e-3, "{latitudes:?}");
         let between_m = 0.5 * (round_m[0] + round_m[1]) / 8.0;
-        let level = level_of(&eye.body, latitudes[1], eye.focal_px(), between_m);
+        let [by_shader, geodetic] = latitudes.map(f64::cos);
+        let level = level_of(&eye.body, geodetic, eye.focal_px(), between_m);
         assert_ne!(wanted_level(&eye, place, between_m), level);
         assert_eq!(
             wanted_level(&eye, place, between_m),
-            level_of(&eye.body, latitudes[0], eye.focal_px(), between_m)
+            level_of(&eye.body, by_shader, eye.focal_px(), between_m)
         );
     }
 }

@@ -142,8 +142,14 @@ fn worst_texels(seam: impl Fn(f64) -> Seam, views: u64) -> Beside {
         );
         let mesh = ScreenMesh::new(&body, &camera, size, grid(n)).expect("above");
         let seam = seam((longitude / 360.0 + 0.5).rem_euclid(1.0));
-        let texels =
-            TILE_TEXELS * f64::from(level_of(&body, latitude.to_radians(), 138.6, height_m)).exp2();
+        let texels = TILE_TEXELS
+            * f64::from(level_of(
+                &body,
+                latitude.to_radians().cos(),
+                138.6,
+                height_m,
+            ))
+            .exp2();
         for (i, seen) in seen(&camera, size, &mesh).into_iter().enumerate() {
             let Some(seen) = seen else {
                 continue;
@@ -219,7 +225,7 @@ fn tiles(body: &Ellipsoid, pose: [f64; 5]) -> [usize; 2] {
             };
             let point = MapPoint::new(body, camera.eye_ecef + hit);
             let latitude_rad = (TAU * (0.5 - point.mercator_v)).sinh().atan();
-            let level = level_of(body, latitude_rad, focal_px, hit.length());
+            let level = level_of(body, latitude_rad.cos(), focal_px, hit.length());
             shown.push((level, point.u, point.mercator_v));
         }
     }

@@ -99,9 +99,8 @@ fn worst_map_m(eye: &Eye, triangles: &[[DVec3; 3]]) -> f64 {
                 let Some(depth) = body.hit(point, 0.0) else {
                     continue;
                 };
-                let shown = eye
-                    .body
-                    .geodetic_to_ecef(MapCorners::default().between(eye, facet, point));
+                let normal = MapCorners::default().between(eye, facet, point);
+                let shown = eye.body.surface_point(normal);
                 let place = eye.camera.eye_ecef + point * depth;
                 worst = worst.max(shown.distance(place));
             }

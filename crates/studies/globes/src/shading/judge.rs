@@ -10,7 +10,7 @@ use crate::projection::{K, Projection};
 use crate::sight::drawn_otherwise;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
-use terrafill_globe_views::{Eye, SNAPPED_PX, quantiles, shares, sorted};
+use terrafill_globe_views::{Eye, SNAPPED_PX, quantiles, shares};
 use terrafill_reference::SurfaceTriangles;
 use terrafill_study::Figures;
 use terrafill_surface::SurfaceFrame;
@@ -41,11 +41,9 @@ pub(super) struct ShadingErrors {
 }
 
 impl ShadingErrors {
-    /// Largest differences, and those that 99 % of the pixels do not exceed; takes the differences.
-    pub(super) fn quantiles(&mut self) -> Figures {
-        let all = [&mut self.from_texels, &mut self.all, &mut self.polar];
-        let all = all.map(|of| sorted(std::mem::take(of)));
-        let [from_texels, all, polar] = &all;
+    /// Largest differences, and those that 99 % of the pixels do not exceed.
+    pub(super) fn quantiles(&self) -> Figures {
+        let [from_texels, all, polar] = [&self.from_texels, &self.all, &self.polar];
         let figures = [
             ("globe_shade_texels_max", from_texels, 1.0),
             ("globe_shade_max", all, 1.0),

@@ -194,7 +194,7 @@ impl Course {
 /// What a pixel's middle wants; of two levels that `f32` may take, the coarser.
 pub(crate) fn wanted_tile(truth: &Truth) -> Tile {
     let cap = Tile::Cap {
-        is_south: truth.drawn.mercator_vs[0] > 0.5,
+        is_south: truth.drawn.by_vertex > 0.5,
     };
     let level = truth.levels[0];
     let mut on_map = tiles_of(&truth.drawn, OPTIONS.by_fragment, level..=level);

@@ -215,7 +215,8 @@ fn a_pixel_may_show_one_texel_alone() {
     let truth = Truth {
         drawn: WrappedPoint {
             u: at(6.0),
-            mercator_vs: [at(5.0); 2],
+            by_vertex: at(5.0),
+            v: None,
             cap: None,
         },
         body: None,

@@ -5,7 +5,9 @@ use super::*;
 use crate::options::{Drawing, Seam};
 use crate::truth::{Texel, Tile, WrappedPoint};
 use crate::views::tiled_view;
+use std::f64::consts::TAU;
 use terrafill_fixtures::on_device::{self, figure, on_device};
+use terrafill_maps::max_latitude_rad;
 use terrafill_results::Status;
 use terrafill_screen_grid::ScreenGridKind;
 use terrafill_study::Group as _;
@@ -104,8 +106,6 @@ fn counted_from_the_eye_no_texel_is_lost_to_single_precision() {
     assert!(local < 0.5, "{local}");
     // Negative control: by an absolute U the ground is a metre off, some steps of f32.
     assert!(absolute > 10.0, "{absolute}");
-}
-
     let step = figure(&all[1], "globe_tile_step_texels");
     assert!(
         (1.0..20.0).contains(&(absolute / step)),
@@ -178,11 +178,16 @@ fn a_picture_one_texel_off_is_refuted() {
             assert_eq!(judged(1), Status::Wrong, "{name}");
         }
     });
+}
+
 #[test]
 fn a_texel_beside_the_right_one_is_found_wrong() {
+    // V of the row that a fragment makes of it.
+    let latitude_rad = (TAU * (0.5 - 20.5 / 256.0)).sinh().atan();
     let place = WrappedPoint {
         u: 1.0 + 0.25 / 256.0,
-        mercator_vs: [10.5 / 256.0, 20.5 / 256.0],
+        by_vertex: 10.5 / 256.0,
+        v: Some(0.5 + 0.5 * latitude_rad / max_latitude_rad()),
         cap: None,
     };
     let texel = |x, y| Texel {
