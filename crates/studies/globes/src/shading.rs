@@ -171,7 +171,7 @@ impl ShadingPart<'_> {
             pictures,
             shading: work.shading,
         };
-        let layers = (&sampled, &self.group.sources);
+        let layers = (&sampled, Some(&self.group.sources));
         // Clouds that have not moved are no control of themselves.
         let controls = work.what == "layers";
         let found = judge(eye, met, lights, layers, picture, controls);
@@ -191,7 +191,7 @@ impl ShadingPart<'_> {
         let mut is_tessellation = true;
         let other = work.is_stored.then(|| {
             let other = mesh.met(eye, work.projection.next());
-            let other = judge(eye, &other, lights, layers, picture, false).beyond;
+            let other = judge(eye, &other, lights, (&sampled, None), picture, false).beyond;
             let fine = mesh.met_finer(eye, work.projection);
             let of = |met: &Met| met.off_formula(eye, work.projection);
             let (coarse, fine) = (of(met), of(&fine));

@@ -273,7 +273,7 @@ struct Pixel {
     from_texels: f64,
     is_beyond: bool,
     controls: [bool; 3],
-    from_sources: f64,
+    from_sources: Option<f64>,
     is_polar: bool,
 }
 
@@ -286,12 +286,13 @@ fn largest(difference: DVec3) -> f64 {
 
 /// Compares a picture, by the place that each pixel's ray meets.
 ///
+/// - `sampled`, `sources`: the texels, and the layers as published where the difference from them is asked for
 /// - `controls`: whether wrong layers are tried as well, which must be found
 pub(super) fn judge(
     eye: &Eye,
     met: &Met,
     lights: &Lights,
-    (sampled, sources): (&Sampled<'_>, &Sources),
+    (sampled, sources): (&Sampled<'_>, Option<&Sources>),
     picture: &[[f32; 4]],
     controls: bool,
 ) -> ShadingErrors {
@@ -315,7 +316,14 @@ pub(super) fn judge(
         let here = facet.fragment(normals, centre, direction);
         let Shade { colour, mut doubt } = shade(lights, shading, here, sampled);
         let (mut least, mut most) = (colour, colour);
-        for way in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+        let of_middle = Allowed {
+            least: colour - doubt,
+            most: colour + doubt,
+        };
+        let is_clear = of_middle.has(shown) && !controls;
+        // Places beside the middle allow more: not asked where it is enough, and no width is.
+        let ways = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
+        for way in ways.into_iter().filter(|_| !is_clear) {
             let beside = [0, 1].map(|axis| centre[axis] + met.off_px * way[axis]);
             let direction = eye.camera.direction_ecef(eye.size, beside);
             let beyond = met.beyond(eye, facet, beside, direction);
@@ -345,7 +353,10 @@ pub(super) fn judge(
             from_texels: largest(shown - colour),
             is_beyond: !allowed.has(shown),
             controls,
-            from_sources: largest(shown - shade(lights, shading, here, sources).colour),
+            from_sources: sources.map(|sources| {
+                let published = shade(lights, shading, here, sources);
+                largest(shown - published.colour)
+            }),
             is_polar: here.n.z.abs() > POLAR_SINE,
         })
     });
@@ -367,10 +378,9 @@ pub(super) fn judge(
             continue;
         }
         found.from_texels.push(pixel.from_texels);
-        found.all.push(pixel.from_sources);
-        if pixel.is_polar {
-            found.polar.push(pixel.from_sources);
-        }
+        found.all.extend(pixel.from_sources);
+        let polar = pixel.from_sources.filter(|_| pixel.is_polar);
+        found.polar.extend(polar);
     }
     found
 }

@@ -63,14 +63,14 @@ fn weights(t: f64) -> [f64; 4] {
 }
 
 impl<const N: usize> Picture<N> {
-    /// What `of` gives in each texel's middle.
-    pub(crate) fn of(size: [u32; 2], of: impl Fn(DVec3) -> [f64; N] + Sync) -> Self {
+    /// What `of` gives in each texel's middle, by its direction and its U and V.
+    pub(crate) fn of(size: [u32; 2], of: impl Fn(DVec3, [f64; 2]) -> [f64; N] + Sync) -> Self {
         use rayon::prelude::*;
         let [width, height] = size;
         let texels = (0..width * height).into_par_iter().map(|at| {
             let place = [(at % width, width), (at / width, height)];
             let place = place.map(|(at, of)| (f64::from(at) + 0.5) / f64::from(of));
-            of(of_uv(place)).map(byte)
+            of(of_uv(place), place).map(byte)
         });
         Self {
             size,
@@ -78,35 +78,48 @@ impl<const N: usize> Picture<N> {
         }
     }
 
-    /// Rows beyond a pole are those before it, half a turn on.
+    /// Texels of a row that four columns have; rows beyond a pole are those before it, half a turn on.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "some thousands of columns and rows"
     )]
-    fn texel(&self, column: i64, row: i64) -> [u8; N] {
+    fn texels(&self, row: i64, columns: [i64; 4]) -> [[u8; N]; 4] {
         let [width, height] = self.size.map(i64::from);
-        let (row, column) = match row {
-            row if row < 0 => (-1 - row, column + width / 2),
-            row if row >= height => (2 * height - 1 - row, column + width / 2),
-            row => (row, column),
+        let (row, turn) = match row {
+            row if row < 0 => (-1 - row, width / 2),
+            row if row >= height => (2 * height - 1 - row, width / 2),
+            row => (row, 0),
         };
-        self.texels[(row * width + column.rem_euclid(width)) as usize]
+        let row = &self.texels[(row * width) as usize..][..width as usize];
+        columns.map(|column| {
+            let column = column + turn;
+            let column = if column < width {
+                column
+            } else {
+                column - width
+            };
+            row[column as usize]
+        })
     }
 
     /// Bicubic, 0 … 1.
+    pub(crate) fn bicubic(&self, direction: DVec3) -> [f64; N] {
+        self.bicubic_at(uv(direction))
+    }
+
+    /// The same by U and V.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "some thousands of columns and rows"
     )]
-    pub(crate) fn bicubic(&self, direction: DVec3) -> [f64; N] {
-        let place = uv(direction);
+    pub(crate) fn bicubic_at(&self, place: [f64; 2]) -> [f64; N] {
         let at = [0, 1].map(|axis| place[axis] * f64::from(self.size[axis]) - 0.5);
         let first = at.map(|at| at.floor() as i64 - 1);
         let [across, down] = at.map(|at| weights(at - at.floor()));
+        let columns = [0, 1, 2, 3].map(|i| (first[0] + i).rem_euclid(i64::from(self.size[0])));
         let mut sum = [0.0; N];
         for (row, down) in (first[1]..).zip(down) {
-            for (column, across) in (first[0]..).zip(across) {
-                let texel = self.texel(column, row);
+            for (texel, across) in self.texels(row, columns).into_iter().zip(across) {
                 for (sum, value) in sum.iter_mut().zip(texel) {
                     *sum += down * across * f64::from(value);
                 }
@@ -171,8 +184,9 @@ impl Sources {
     pub(crate) fn bent(&self, n: DVec3) -> DVec3 {
         let step = TAU / f64::from(self.elevation.size[0]);
         let t = tangent(n);
+        let by = step.tan();
         let slope = |along: DVec3| {
-            let [there, back] = [step, -step].map(|by| self.height(n + along * by.tan()));
+            let [there, back] = [by, -by].map(|by| self.height(n + along * by));
             along * ((there - back) / (2.0 * step))
         };
         (n - slope(t) - slope(n.cross(t))).normalize()
@@ -180,19 +194,25 @@ impl Sources {
 
     /// A layer between its texels, 0 … 1.
     pub(crate) fn value(&self, layer: Layer, n: DVec3) -> [f64; 4] {
+        self.value_at(layer, n, uv(n))
+    }
+
+    /// The same where U and V of the direction are known.
+    pub(crate) fn value_at(&self, layer: Layer, n: DVec3, place: [f64; 2]) -> [f64; 4] {
         let of_colour = |[r, g, b]: [f64; 3]| [r, g, b, 1.0];
         match layer {
             Layer::Base => {
-                let ([r, g, b], [water]) = (self.colour.bicubic(n), self.water.bicubic(n));
+                let [r, g, b] = self.colour.bicubic_at(place);
+                let [water] = self.water.bicubic_at(place);
                 [r, g, b, water]
             }
-            Layer::Clouds => of_colour(self.clouds.bicubic(n)),
-            Layer::Night => of_colour(self.night.bicubic(n)),
+            Layer::Clouds => of_colour(self.clouds.bicubic_at(place)),
+            Layer::Night => of_colour(self.night.bicubic_at(place)),
             Layer::Bent => of_colour((0.5 * self.bent(n) + 0.5).to_array()),
             Layer::Bumps => {
                 let (t, bent) = (tangent(n), self.bent(n));
                 let [x, y, z] = [n, t, n.cross(t)].map(|axis| 0.5 + 0.5 * bent.dot(axis));
-                let [elevation] = self.elevation.bicubic(n);
+                let [elevation] = self.elevation.bicubic_at(place);
                 [x, y, z, elevation]
             }
         }
@@ -200,7 +220,9 @@ impl Sources {
 
     /// The paper's bump map: shares of normal, tangent and binormal, ½ more than half of each, and the elevation.
     pub(crate) fn bumps(&self) -> Picture<4> {
-        Picture::of(self.elevation.size, |n| self.value(Layer::Bumps, n))
+        Picture::of(self.elevation.size, |n, place| {
+            self.value_at(Layer::Bumps, n, place)
+        })
     }
 }
 
@@ -251,7 +273,7 @@ mod tests {
             assert!((square - t * t).abs() < 1e-12, "{t}");
         }
         let wave = |n: DVec3| [0.5 + 0.3 * n.x * n.y + 0.2 * n.z];
-        let picture = Picture::of([256, 128], wave);
+        let picture = Picture::of([256, 128], |n, _| wave(n));
         for i in 0..200_u32 {
             let at = f64::from(i);
             let n = DVec3::new(at.sin(), (1.7 * at).cos(), (0.9 * at).sin()).normalize();
@@ -266,10 +288,10 @@ mod tests {
 
     #[test]
     fn bumps_lean_away_from_what_rises() {
-        let flat = Picture::<3>::of([8, 4], |_| [0.0; 3]);
+        let flat = Picture::<3>::of([8, 4], |_, _| [0.0; 3]);
         let sources = Sources {
-            elevation: Picture::of([256, 128], |n| [0.5 + 0.5 * n.x]),
-            water: Picture::of([8, 4], |_| [0.0]),
+            elevation: Picture::of([256, 128], |n, _| [0.5 + 0.5 * n.x]),
+            water: Picture::of([8, 4], |_, _| [0.0]),
             colour: flat.clone(),
             clouds: flat.clone(),
             night: flat,

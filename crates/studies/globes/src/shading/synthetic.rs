@@ -41,16 +41,16 @@ fn turned(direction: DVec3) -> DVec3 {
 pub(crate) fn sources() -> Sources {
     let land = |n| step(-0.1, 0.15, height(n));
     Sources {
-        colour: Picture::of(SIZE, |n| {
+        colour: Picture::of(SIZE, |n, _| {
             let land = land(n);
             [0.05 + 0.4 * land, 0.1 + 0.3 * land, 0.3 - 0.1 * land]
         }),
-        elevation: Picture::of(SIZE, |n| [0.5 + 0.5 * height(n)]),
-        clouds: Picture::of(SIZE, |n| [0.9 * step(0.1, 0.8, height(turned(n))); 3]),
-        night: Picture::of(SIZE, |n| {
+        elevation: Picture::of(SIZE, |n, _| [0.5 + 0.5 * height(n)]),
+        clouds: Picture::of(SIZE, |n, _| [0.9 * step(0.1, 0.8, height(turned(n))); 3]),
+        night: Picture::of(SIZE, |n, _| {
             let share = land(n) * step(0.1, 0.6, height(turned(turned(n))));
             [0.9 * share, 0.7 * share, 0.35 * share]
         }),
-        water: Picture::of(SIZE, |n| [1.0 - land(n)]),
+        water: Picture::of(SIZE, |n, _| [1.0 - land(n)]),
     }
 }

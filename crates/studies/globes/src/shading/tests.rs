@@ -92,7 +92,7 @@ fn a_lost_colour_is_counted_and_another_layer_is_seen() {
             &eye,
             &met,
             &lights,
-            (&sampled, &work.sources),
+            (&sampled, Some(&work.sources)),
             picture,
             true,
         )

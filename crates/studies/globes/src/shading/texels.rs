@@ -45,16 +45,19 @@ impl Pictures {
     ///   dense along the equator
     pub(crate) fn new(sources: &Sources, face: u32) -> Self {
         let bumps = sources.bumps();
-        let of = |layer: Layer, n: DVec3| match layer {
+        let of = |layer: Layer, n: DVec3, place: [f64; 2]| match layer {
             // Made before it becomes a cube, so that its tangents are along parallels.
-            Layer::Bumps => bumps.bicubic(n),
-            _ => sources.value(layer, n),
+            Layer::Bumps => bumps.bicubic_at(place),
+            _ => sources.value_at(layer, n, place),
         };
-        let cube = |layer| Texels::cube(face, |n| of(layer, n));
+        // The same for all layers.
+        let texels = (0..6 * face * face).into_par_iter();
+        let places: Vec<[f64; 2]> = texels.map(|at| uv(of_texel(face, at))).collect();
+        let cube = |layer| Texels::cube(face, |at, n| of(layer, n, places[at as usize]));
         let map = |layer| Texels {
             is_cube: false,
             size: [4 * face, 2 * face],
-            texels: Picture::of([4 * face, 2 * face], |n| of(layer, n)).texels,
+            texels: Picture::of([4 * face, 2 * face], |n, at| of(layer, n, at)).texels,
         };
         Self {
             cubes: Layer::ALL.map(cube).to_vec(),
@@ -83,13 +86,18 @@ fn middle(at: u32, side: u32) -> f64 {
     (2.0 * f64::from(at) + 1.0) / f64::from(side) - 1.0
 }
 
+/// Direction of a texel of a cube, of length 1: face by face, row by row.
+fn of_texel(side: u32, at: u32) -> DVec3 {
+    let (face, at) = (at / (side * side), at % (side * side));
+    let place = [at % side, at / side].map(|at| middle(at, side));
+    on_cube(face, place).normalize()
+}
+
 impl Texels {
-    fn cube(side: u32, of: impl Fn(DVec3) -> [f64; 4] + Sync) -> Self {
-        let texels = (0..6 * side * side).into_par_iter().map(|at| {
-            let (face, at) = (at / (side * side), at % (side * side));
-            let place = [at % side, at / side].map(|at| middle(at, side));
-            of(on_cube(face, place).normalize()).map(byte)
-        });
+    /// - `of`: from a texel's number and direction
+    fn cube(side: u32, of: impl Fn(u32, DVec3) -> [f64; 4] + Sync) -> Self {
+        let texels = (0..6 * side * side).into_par_iter();
+        let texels = texels.map(|at| of(at, of_texel(side, at)).map(byte));
         Self {
             is_cube: true,
             size: [side; 2],
@@ -219,11 +227,11 @@ mod tests {
                 0.25,
             ]
         };
-        let mut cube = Texels::cube(64, wave);
+        let mut cube = Texels::cube(64, |_, n| wave(n));
         let map = Texels {
             is_cube: false,
             size: [256, 128],
-            texels: Picture::of([256, 128], wave).texels,
+            texels: Picture::of([256, 128], |n, _| wave(n)).texels,
         };
         let places = (0..400_u32).map(|i| {
             let at = f64::from(i);
