@@ -82,6 +82,8 @@ pub(crate) struct MapTargets {
     /// Of the view, the map and its tiles.
     layout: wgpu::BindGroupLayout,
     pipelines: BTreeMap<(Drawing, bool), wgpu::RenderPipeline>,
+    /// The last set of addresses in layers: cases of a view mostly have the same tiles, and so the same texture.
+    layered: Option<TileSet>,
 }
 
 /// One way, ready to draw.
@@ -171,6 +173,7 @@ impl MapTargets {
             canvas: Canvas::new(gpu, size, format),
             layout: gpu.buffer_layout("map", stages, &[uniform, uniform, storage]),
             pipelines: BTreeMap::new(),
+            layered: None,
         }
     }
 
@@ -226,7 +229,18 @@ impl MapTargets {
         (tiles, content): (Vec<Tile>, Content),
     ) -> Result<MapScene, DeviceError> {
         let keys = keys(&tiles);
-        let set = TileSet::new(&self.canvas.gpu, tiles, &content, options.drawing)?;
+        let is_layered = matches!(options.drawing, Drawing::Array | Drawing::DrawEach);
+        let is_shared = is_layered && content == Content::Addresses;
+        let known = self
+            .layered
+            .take_if(|known| is_shared && known.tiles == tiles);
+        let set = match known {
+            Some(known) => known,
+            None => TileSet::new(&self.canvas.gpu, tiles, &content, options.drawing)?,
+        };
+        if is_shared {
+            self.layered = Some(set.clone());
+        }
         self.scene_of(options, level, &content, (set, &keys))
     }
 

@@ -40,7 +40,8 @@ pub(crate) enum Content {
     Colours(Vec<Vec<u8>>),
 }
 
-/// Tiles, and their texels: in layers of one texture, or each in its own.
+/// Tiles, and their texels: in layers of one texture, or each in its own. A clone has the same textures.
+#[derive(Clone)]
 pub(crate) struct TileSet {
     pub(crate) tiles: Vec<Tile>,
     pub(crate) textures: Vec<wgpu::Texture>,

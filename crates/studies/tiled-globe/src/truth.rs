@@ -354,6 +354,9 @@ pub(crate) fn tiles_of(
     })
 }
 
+/// Pixels whose tiles are put together at once: sets of fewer would be merged again and again.
+const PIXELS_OF_PART: usize = 1 << 16;
+
 /// Tiles that a picture shows, sorted, both caps last.
 pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
     let level = frame_level(truths, options);
@@ -369,13 +372,15 @@ pub(crate) fn tiles(truths: &[Option<Truth>], options: &Options) -> Vec<Tile> {
         }
         (tiles, last)
     };
-    let both = |mut some: BTreeSet<Tile>, mut others: BTreeSet<Tile>| {
-        some.append(&mut others);
-        some
-    };
-    let pixels = truths.par_iter().flatten();
-    let parts = pixels.fold(Default::default, asked).map(|(tiles, _)| tiles);
-    let tiles = parts.reduce(BTreeSet::new, both);
+    let parts = truths.par_chunks(PIXELS_OF_PART).map(|part| {
+        let (tiles, _) = part.iter().flatten().fold(Default::default(), asked);
+        tiles
+    });
+    let tiles: BTreeSet<Tile> = parts
+        .flatten_iter()
+        .collect::<Vec<_>>()
+        .into_iter()
+        .collect();
     let caps = [false, true].map(|is_south| Tile::Cap { is_south });
     tiles.into_iter().chain(caps).collect()
 }
