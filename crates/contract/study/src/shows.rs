@@ -55,10 +55,22 @@ impl<S: Shows> JudgedOnce<S> {
     /// Judges a case after those before it: ways are held against the first way's picture, which a judge remembers.
     fn judge(&mut self, case: usize, shown: S::Shown) -> Result<Verdict, Failure> {
         for earlier in std::mem::take(&mut self.only_shown) {
-            let (_, shown) = self.shows.show(earlier)?;
-            self.shows.judge(earlier, shown)?;
+            let shown = self.shows.show(earlier);
+            let judged = shown.and_then(|(_, shown)| self.shows.judge(earlier, shown));
+            judged.map_err(|failure| of_earlier(earlier, failure))?;
         }
         self.shows.judge(case, shown)
+    }
+}
+
+/// What a case fails with that cannot be compared: its own words, and not those of the case before it alone.
+fn of_earlier(earlier: usize, failure: Failure) -> Failure {
+    match failure {
+        Failure::Ends(error) => Failure::Ends(error),
+        Failure::Unable(reason) | Failure::Broken(reason) => Failure::Broken(format!(
+            "it was not judged, since case {} of its group, which it is compared with, was not: {reason}",
+            earlier + 1
+        )),
     }
 }
 
@@ -146,6 +158,31 @@ mod tests {
         }
     }
 
+    /// Shows its first case once.
+    #[derive(Default)]
+    struct Once(u32);
+
+    impl Shows for Once {
+        type Shown = ();
+
+        fn show(&mut self, case: usize) -> Result<(String, ()), Failure> {
+            self.0 += u32::from(case == 0);
+            let is_gone = case == 0 && self.0 > 1;
+            if is_gone {
+                return Err(Failure::Unable("gone".to_owned()));
+            }
+            Ok(("3".to_owned(), ()))
+        }
+
+        fn judge(&mut self, _: usize, (): ()) -> Result<Verdict, Failure> {
+            Ok(judged(String::new(), Vec::new(), Vec::new()))
+        }
+
+        fn time(&mut self, _: usize) -> Result<Figures, Failure> {
+            Ok(Vec::new())
+        }
+    }
+
     #[test]
     fn what_shows_the_same_is_not_judged_again_and_what_does_not_is() {
         let of = |shown| Number {
@@ -172,5 +209,23 @@ mod tests {
         assert_eq!((earlier.status, session.shows.0.judged), (Status::Ok, 0));
         assert_eq!(session.verify(1).expect("a verdict").status, Status::Wrong);
         assert_eq!(session.shows.0.judged, 2);
+        // One that breaks when it is shown again is named as what it is to a later one.
+        let mut session = JudgedOnce::new(Once::default());
+        assert!(session.recheck(0, Status::Ok, &notes).is_ok());
+        let failure = session.verify(1).map_err(Failure::reason);
+        let failure = failure.expect_err("nothing to compare it with");
+        assert!(
+            failure.starts_with("it was not judged, since case 1"),
+            "{failure}"
+        );
+        assert!(failure.ends_with("gone"), "{failure}");
+        // Negative control: its own failure is its own.
+        assert_eq!(
+            session
+                .verify(0)
+                .map_err(Failure::reason)
+                .expect_err("again"),
+            "gone"
+        );
     }
 }
