@@ -207,7 +207,7 @@ impl Ellipsoid {
         let (a, b) = (self.equatorial_radius_m, self.polar_radius_m);
         let e2 = self.eccentricity_squared();
         let second_e2 = e2 / (1.0 - e2);
-        let rho = ecef.x.hypot(ecef.y);
+        let rho = (ecef.x * ecef.x + ecef.y * ecef.y).sqrt();
         if rho == 0.0 {
             let sign = if ecef.z < 0.0 { -1.0 } else { 1.0 };
             return (DVec3::new(0.0, 0.0, sign), ecef.z.abs() - b);

@@ -234,16 +234,22 @@ impl SurfaceTriangles {
                 }
                 continue;
             };
-            let mut entries =
-                halves.map(|half| ray.enters(&self.nodes[half]).map(|entry| (entry, half)));
+            // One after the other, and not as an array: that takes a fifth of a picture's time.
+            let [a, b] = halves;
+            let (enters_a, enters_b) = (ray.enters(&self.nodes[a]), ray.enters(&self.nodes[b]));
             // The nearer half is searched first, so it goes on the stack last.
-            if let [Some(a), Some(b)] = entries
-                && a.0 < b.0
-            {
-                entries.swap(0, 1);
-            }
-            for entry in entries.into_iter().flatten() {
-                pending.push(entry);
+            match (enters_a, enters_b) {
+                (Some(to_a), Some(to_b)) if to_a < to_b => {
+                    pending.push((to_b, b));
+                    pending.push((to_a, a));
+                }
+                (Some(to_a), Some(to_b)) => {
+                    pending.push((to_a, a));
+                    pending.push((to_b, b));
+                }
+                (Some(to_a), None) => pending.push((to_a, a)),
+                (None, Some(to_b)) => pending.push((to_b, b)),
+                (None, None) => {}
             }
         }
         nearest.0.is_finite().then_some(nearest)
@@ -385,6 +391,7 @@ impl Ray {
     }
 
     /// Where the ray enters the box, at least 0; `None` when it misses.
+    #[inline]
     fn enters(&self, node: &Node) -> Option<f64> {
         let a = node.low * self.reciprocal;
         let b = node.high * self.reciprocal;

@@ -232,15 +232,16 @@ fn judge(
 
 /// How far from `centre` a place is seen, pixels; at most the image's diagonal, as behind the eye.
 pub(crate) fn shift_px(eye: &Eye, ecef: DVec3, centre: [f64; 2]) -> f64 {
-    let diagonal = f64::from(eye.size.width).hypot(f64::from(eye.size.height));
+    let [width, height] = [eye.size.width, eye.size.height].map(f64::from);
+    let diagonal = (width * width + height * height).sqrt();
     let view = eye.camera.view_from_ecef * (ecef - eye.camera.eye_ecef);
     if view.z >= 0.0 {
         return diagonal;
     }
     let per_tangent = eye.focal_px();
-    let x = 0.5 * f64::from(eye.size.width) - per_tangent * view.x / view.z - centre[0];
-    let y = 0.5 * f64::from(eye.size.height) + per_tangent * view.y / view.z - centre[1];
-    x.hypot(y).min(diagonal)
+    let x = 0.5 * width - per_tangent * view.x / view.z - centre[0];
+    let y = 0.5 * height + per_tangent * view.y / view.z - centre[1];
+    (x * x + y * y).sqrt().min(diagonal)
 }
 
 /// Longitude and Mercator's y of a triangle's corners, remembered: pixels beside each other mostly show the same one.

@@ -285,7 +285,7 @@ fn wanted_levels(eye: &Eye, ecef: DVec3, distance_m: f64) -> [u32; 2] {
 pub(crate) fn wanted_level(eye: &Eye, ecef: DVec3, distance_m: f64) -> u32 {
     let radii = eye.body.radii_m();
     let up = (ecef / (radii * radii)).normalize();
-    let cosine = up.x.hypot(up.y);
+    let cosine = (up.x * up.x + up.y * up.y).sqrt();
     level_of(&eye.body, cosine, eye.focal_px(), distance_m).min(MAX_LEVEL)
 }
 

@@ -118,6 +118,13 @@ impl Texels {
         let face = face_of(n);
         let [s, t, out] = along_face(face, n);
         let (place, [at, below]) = self.place([s / out, t / out].map(|at| 0.5 * at + 0.5));
+        let last = i64::from(self.size[0]) - 1;
+        if (0..last).contains(&at) && (0..last).contains(&below) {
+            let first = (i64::from(face) * (last + 1) + below) * (last + 1) + at;
+            let row = |first: i64| usize::try_from(first).map_or(&[][..], |at| &self.texels[at..]);
+            let (row, next) = (row(first), row(first + last + 1));
+            return among([row[0], row[1], next[0], next[1]], place, PLACE_TEXELS);
+        }
         let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [at + x, below + y]);
         let texels = corners.map(|[column, row]| self.of_face(face, column, row));
         mixed(texels, place, PLACE_TEXELS)
@@ -132,11 +139,11 @@ impl Texels {
             self.texels[usize::try_from(at).unwrap_or(0)]
         };
         let corners = [[0, 0], [1, 0], [0, 1], [1, 1]];
-        let texels = corners.map(|[x, y]| Some(texel(at + x, below + y)));
+        let texels = corners.map(|[x, y]| texel(at + x, below + y));
         // What `atan2` may be off, in texels of either axis.
         let angles = [(u - 0.5).abs(), (v - 0.5).abs()];
         let off = angles[0] * f64::from(self.size[0]) + angles[1] * f64::from(self.size[1]);
-        mixed(texels, place, PLACE_TEXELS + ATAN2 * off)
+        among(texels, place, PLACE_TEXELS + ATAN2 * off)
     }
 
     /// Where between the four texels about a place, 0 … 1, and the first of them.
@@ -188,7 +195,40 @@ impl Texels {
     }
 }
 
-/// Bilinear between four texels, of which one may be beyond a corner: the others' mean then.
+/// Bilinear between four texels.
+///
+/// - `off`: by how many texels the place may be off, both axes together
+fn among(texels: [[u8; 4]; 4], [x, y]: [f64; 2], off: f64) -> Looked {
+    let mut looked = Looked {
+        value: [0.0; 4],
+        doubt: [0.0; 4],
+    };
+    let [first, second, third, fourth] = texels;
+    for channel in 0..4 {
+        let bytes = (
+            first[channel],
+            second[channel],
+            third[channel],
+            fourth[channel],
+        );
+        let highest = bytes.0.max(bytes.1).max(bytes.2.max(bytes.3));
+        let lowest = bytes.0.min(bytes.1).min(bytes.2.min(bytes.3));
+        let share = |byte: u8| f64::from(byte) / 255.0;
+        let (a, b, c, d) = (
+            share(bytes.0),
+            share(bytes.1),
+            share(bytes.2),
+            share(bytes.3),
+        );
+        let spread = share(highest) - share(lowest);
+        let row = a + x * (b - a);
+        looked.value[channel] = row + y * (c + x * (d - c) - row);
+        looked.doubt[channel] = spread * off + spread.min(ROUNDED);
+    }
+    looked
+}
+
+/// The same where one may be beyond a corner: the others' mean then.
 ///
 /// - `off`: by how many texels the place may be off, both axes together
 fn mixed(texels: [Option<[u8; 4]>; 4], [x, y]: [f64; 2], off: f64) -> Looked {
