@@ -80,7 +80,7 @@ impl Tiled {
             ];
             PlannedCase {
                 id: CaseId::new(STUDY, text, shared.into_iter().chain(own)),
-                samples,
+                samples: options.drawing.samples(samples),
                 may_be_wrong: may_be_wrong(&eye, options.seam),
             }
         });
