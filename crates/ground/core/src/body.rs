@@ -355,7 +355,7 @@ mod tests {
                         let is_oblate = body.eccentricity_squared() > 0.0;
                         let central = (normal - ecef.normalize()).length();
                         assert_eq!(
-                            central > 1e-4,
+                            central > 1e-5,
                             is_oblate && [-45.0, 30.0, 45.0, 85.0].contains(&lat)
                         );
                     }
