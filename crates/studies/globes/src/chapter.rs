@@ -4,7 +4,7 @@
 
 use crate::claims::{self, CLAIMS};
 use crate::metrics::*;
-use crate::{controllers, counts, made, shading, wires, zones};
+use crate::{controllers, counts, filled, made, shading, wires, zones};
 use terrafill_globe_views::{DRAW, FRAME, whole};
 use terrafill_lab::{Cases, Column, Drawing, Figure, Names, Panel, Section, with_commands};
 use terrafill_plot::number::significant;
@@ -70,6 +70,7 @@ impl Chapter for GlobesChapter {
         }
         let parts = [
             wires::SECTION,
+            filled::SECTION,
             made::SECTION,
             counts::SECTION,
             zones::SECTION,

@@ -110,7 +110,7 @@ mod tests {
         let list = List::shipped().expect("a list");
         let opened = Rc::new(Opened::new(study.surfaces));
         let pictured = pictured((8, 1), picture, &opened).expect("a group");
-        let layers = shading::synthetic_layers();
+        let layers = Rc::new(shading::synthetic_layers());
         let shaded = Shadings::planned(&list, (8, 1), false, layers, &opened);
         let of_plan = |is_planned: fn(&str) -> bool| {
             let mut run = MadeUpRun::default();

@@ -18,6 +18,7 @@ mod counts;
 mod cube;
 mod error;
 mod expected;
+mod filled;
 mod list;
 mod made;
 mod metrics;

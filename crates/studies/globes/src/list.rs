@@ -73,6 +73,10 @@ pub(crate) struct SurfaceRow {
     /// Whether it has cracks, in which device and rays may differ.
     #[serde(default)]
     pub(crate) cracks: bool,
+    /// The knob's value at which its triangles are drawn as lines, and filled as well, so that cracks are wide; without one,
+    /// lines are of the first value, and nothing is filled.
+    #[serde(default)]
+    pub(crate) pictured: Option<Value>,
     /// Further parameters.
     #[serde(default)]
     pub(crate) with: Table,
@@ -158,7 +162,8 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), count);
         for row in &list.surface {
-            assert!(row.values.iter().all(|value| number(value).is_some()));
+            let mut values = row.values.iter().chain(&row.pictured);
+            assert!(values.all(|value| number(value).is_some()));
             let [quick, main, full] =
                 [Depth::Quick, Depth::Main, Depth::Full].map(|at| row.values(at));
             assert_eq!((quick.len(), &full), (row.quick.len(), &row.values));

@@ -13,6 +13,7 @@ mod sources;
 mod synthetic;
 mod tessellation;
 mod texels;
+mod textures;
 mod way;
 mod work;
 
@@ -22,6 +23,7 @@ pub(crate) use section::TABLE_3;
 pub(crate) use sources::layers;
 #[cfg(test)]
 pub(crate) use synthetic::sources as synthetic_layers;
+pub(crate) use textures::Textures;
 pub(crate) use way::{KIND, PART};
 
 use crate::STUDY;
@@ -59,7 +61,7 @@ pub(crate) struct Shadings {
     list: List,
     opened: Rc<Opened>,
     face: u32,
-    sources: Sources,
+    sources: Rc<Sources>,
 }
 
 /// - `what`: its condition of that name
@@ -72,7 +74,7 @@ impl Shadings {
         list: &List,
         (side_px, samples): (u32, u32),
         is_quick: bool,
-        sources: Sources,
+        sources: Rc<Sources>,
         opened: &Rc<Opened>,
     ) -> CaseGroup<Self> {
         let work = work(side_px, is_quick);
@@ -171,7 +173,7 @@ impl ShadingPart<'_> {
             pictures,
             shading: work.shading,
         };
-        let layers = (&sampled, Some(&self.group.sources));
+        let layers = (&sampled, Some(&*self.group.sources));
         // Clouds that have not moved are no control of themselves.
         let controls = work.what == "layers";
         let found = judge(eye, met, lights, layers, picture, controls);

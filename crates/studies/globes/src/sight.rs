@@ -51,6 +51,16 @@ impl Chosen {
         Some(Self { row, value })
     }
 
+    /// With the value at which its triangles are drawn as pictures.
+    pub(crate) fn pictured(row: &SurfaceRow) -> Option<Self> {
+        let value = row.pictured.clone();
+        let of = |value| Self {
+            row: row.clone(),
+            value,
+        };
+        value.map(of).or_else(|| Self::first(row))
+    }
+
     pub(crate) fn parameters(&self) -> toml::Table {
         let mut parameters = self.row.with.clone();
         parameters.insert(self.row.knob.clone(), self.value.clone());

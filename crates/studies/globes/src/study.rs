@@ -3,10 +3,11 @@
 
 use crate::controllers::Controllers;
 use crate::counts::Counts;
+use crate::filled::{self, FilledSurfaces};
 use crate::list::List;
 use crate::made::{MadeGlobes, height_fields};
 use crate::metrics::METRICS;
-use crate::shading::{self, Shadings};
+use crate::shading::{self, Shadings, Textures};
 use crate::sight::{SurfacesView, works};
 use crate::wires::Wires;
 use crate::zones::Zones;
@@ -59,6 +60,11 @@ impl Study for GlobesStudy {
             groups.push(Box::new(surfaces));
         }
         groups.push(Box::new(Wires::planned(&list.view, &rows, sizes, &opened)));
+        let view = list
+            .view(filled::VIEW_OF_ALL)
+            .map_err(StudyError::BadInput)?;
+        let filled = FilledSurfaces::planned(view, &rows, sizes, &opened);
+        groups.push(Box::new(filled));
         let tiled = terrafill_tiled_globe::planned(request, sizes, &opened)?;
         groups.extend(tiled.groups);
         skipped.extend(tiled.skipped);
@@ -66,6 +72,11 @@ impl Study for GlobesStudy {
         match shading::layers(&opened, request.data_dir.as_deref()) {
             Ok((layers, read)) => {
                 inputs.extend(read);
+                let layers = Rc::new(layers);
+                if !is_quick {
+                    let textures = Textures::planned(sizes, Rc::clone(&layers));
+                    groups.push(Box::new(textures));
+                }
                 let shaded = Shadings::planned(&list, sizes, is_quick, layers, &opened);
                 groups.push(Box::new(shaded));
             }

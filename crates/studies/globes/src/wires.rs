@@ -101,7 +101,7 @@ impl Wires {
             .iter()
             .filter(|view| VIEWS.contains(&view.name.as_str()));
         let works = views.flat_map(|view| {
-            let surfaces = rows.iter().filter_map(Chosen::first);
+            let surfaces = rows.iter().filter_map(Chosen::pictured);
             surfaces.map(|surface| Work {
                 view: view.clone(),
                 surface,
@@ -265,24 +265,28 @@ fn judge([width, height]: [u32; 2], lines: &[[DVec2; 2]], lit: &[bool]) -> WireE
     found
 }
 
-/// What draws lines.
-struct Pen {
+/// What draws lines, or triangles.
+pub(crate) struct Pen {
     canvas: Canvas,
     pipeline: wgpu::RenderPipeline,
     view: wgpu::Buffer,
     bound: wgpu::BindGroup,
 }
 
-/// Lines on the device.
-struct Ready {
+/// Lines or triangles on the device.
+pub(crate) struct Ready {
     eye: Eye,
     corners: wgpu::Buffer,
-    lines: wgpu::Buffer,
+    indices: wgpu::Buffer,
     count: u32,
 }
 
 impl Pen {
-    fn new(context: Context<'_>, eye: &Eye) -> Result<Self, DeviceError> {
+    pub(crate) fn new(
+        context: Context<'_>,
+        eye: &Eye,
+        topology: wgpu::PrimitiveTopology,
+    ) -> Result<Self, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(context.devices)?;
         let canvas = Canvas::new(&gpu, eye.size, wgpu::TextureFormat::R8Unorm);
         let types = [wgpu::BufferBindingType::Uniform];
@@ -295,8 +299,7 @@ impl Pen {
             constants: &[],
             buffers: &[vertices(&attributes)],
         };
-        let lines = wgpu::PrimitiveTopology::LineList;
-        let pipeline = canvas.pipeline_of(lines, "wires", &layout, &stages);
+        let pipeline = canvas.pipeline_of(topology, "wires", &layout, &stages);
         let view = uniform::<ViewConstants>(&gpu, "view constants");
         Ok(Self {
             pipeline,
@@ -306,31 +309,32 @@ impl Pen {
         })
     }
 
-    fn ready(&self, eye: Eye, edges: &Edges) -> Ready {
+    /// - `corners`: relative to the eye, metres
+    /// - `indices`: which of them lines or triangles join
+    pub(crate) fn ready(&self, eye: Eye, corners: &[[f32; 3]], indices: &[u32]) -> Ready {
         let gpu = &self.canvas.gpu;
         let buffer = |label, bytes: &[u8], usage| {
             let buffer = written(gpu, label, bytes.len().max(4) as u64, usage);
             gpu.write_buffer(&buffer, 0, bytes);
             buffer
         };
-        let of_lines = edges.lines.as_flattened();
         Ready {
             eye,
             corners: buffer(
                 "corners",
-                bytemuck::cast_slice(&edges.corners),
+                bytemuck::cast_slice(corners),
                 wgpu::BufferUsages::VERTEX,
             ),
-            lines: buffer(
-                "lines",
-                bytemuck::cast_slice(of_lines),
+            indices: buffer(
+                "indices",
+                bytemuck::cast_slice(indices),
                 wgpu::BufferUsages::INDEX,
             ),
-            count: u32::try_from(of_lines.len()).unwrap_or(u32::MAX),
+            count: u32::try_from(indices.len()).unwrap_or(u32::MAX),
         }
     }
 
-    fn draw(&self, ready: &Ready) -> Result<Option<f64>, DeviceError> {
+    pub(crate) fn draw(&self, ready: &Ready) -> Result<Option<f64>, DeviceError> {
         let gpu = &self.canvas.gpu;
         gpu.write_buffer(
             &self.view,
@@ -342,10 +346,15 @@ impl Pen {
             pass.set_pipeline(&self.pipeline);
             pass.set_bind_group(0, &self.bound, &[]);
             pass.set_vertex_buffer(0, ready.corners.slice(..));
-            pass.set_index_buffer(ready.lines.slice(..), wgpu::IndexFormat::Uint32);
+            pass.set_index_buffer(ready.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..ready.count, 0, 0..1);
         });
         self.canvas.finish(encoder)
+    }
+
+    /// A byte a pixel, row by row from the top: 0 where nothing is drawn.
+    pub(crate) fn read(&self) -> Result<Vec<u8>, DeviceError> {
+        self.canvas.read()
     }
 }
 
@@ -363,7 +372,11 @@ impl WirePart<'_> {
         if let Some(pen) = &self.pen {
             return Ok(Rc::clone(pen));
         }
-        let pen = Rc::new(Pen::new(self.context, eye)?);
+        let pen = Rc::new(Pen::new(
+            self.context,
+            eye,
+            wgpu::PrimitiveTopology::LineList,
+        )?);
         self.pen = Some(Rc::clone(&pen));
         Ok(pen)
     }
@@ -391,9 +404,9 @@ impl Shows for WirePart<'_> {
         let frame = surface.frame(&eye.camera, eye.size);
         let edges = edges(&frame.map_err(|error| error.to_string())?);
         let pen = self.pen(&eye)?;
-        let ready = pen.ready(eye, &edges);
+        let ready = pen.ready(eye, &edges.corners, edges.lines.as_flattened());
         pen.draw(&ready)?;
-        let bytes: Vec<u8> = pen.canvas.read()?;
+        let bytes = pen.read()?;
         self.ready.insert(case, ready);
         let lit = bytes.iter().map(|byte| *byte != 0).collect();
         Ok((fingerprint(&[&bytes]), Drawn { eye, edges, lit }))

@@ -145,6 +145,10 @@ terrafill_results::metrics! {
         "globe_shade_control_px",
         "Pixels in which wrong layers are found: clouds and lights of night exchanged, clouds not moved, the sun on the other side; the least of the three.",
     );
+    GLOBE_MIRRORED_PX = pixels(
+        "globe_mirrored_px",
+        "Pixels in which a layer mirrored east to west is found: a negative control.",
+    );
     GLOBE_SHADE_MAX = Metric::error(
         "globe_shade_max",
         "",

@@ -10,6 +10,8 @@ terrafill_results::metrics! {
     GLOBE_WIRE_BEYOND_PX = pixels("globe_wire_beyond_px", "Pixels that lines light and that lie more than a pixel from each of them.");
     GLOBE_WIRE_MISSING = Metric::counter("globe_wire_missing", "Lines of two pixels or more that light no pixel at their middle.");
     GLOBE_WIRE_CONTROL_PX = pixels("globe_wire_control_px", "Lit pixels that lie off every line where the picture is moved by 5 and 3 pixels: a negative control.");
+    GLOBE_CRACK_PX = pixels("globe_crack_px", "Pixels of a filled surface that show no triangle though triangles enclose them.");
+    GLOBE_FILLED_CONTROL_PX = pixels("globe_filled_control_px", "Pixels that differ from rays where the picture of a filled surface is moved by 3 pixels: a negative control.");
     GLOBE_COMPARED_PX = pixels("globe_compared_px", "Pixels whose ray meets both the body and the surface as drawn.");
     GLOBE_PX_MAX = Metric::error_px(
         "globe_px_max",

@@ -3,7 +3,7 @@
 
 use super::layers::Lights;
 use super::texels::{Pictures, Texels};
-use super::way::Shading;
+use super::way::{Layer, Shading};
 use crate::made::device::SpiralConstants;
 use crate::made::spiral::Spiral;
 use crate::made::stored::{DrawnRange, StoredSpiral};
@@ -104,6 +104,39 @@ impl LayerTextures {
             }),
         }
     }
+
+    /// A layer as a cube, bumps by tangents, and as a picture by angles.
+    pub(crate) fn views(
+        &self,
+        layer: Layer,
+        dimensions: [wgpu::TextureViewDimension; 2],
+    ) -> [wgpu::TextureView; 2] {
+        let [cubes, _] = &self.cubes;
+        let [cube, map] = dimensions.map(viewed);
+        let at = layer as usize;
+        [
+            cubes[at].create_view(&cube),
+            self.maps[at].create_view(&map),
+        ]
+    }
+}
+
+fn viewed(dimension: wgpu::TextureViewDimension) -> wgpu::TextureViewDescriptor<'static> {
+    wgpu::TextureViewDescriptor {
+        dimension: Some(dimension),
+        ..Default::default()
+    }
+}
+
+/// Filters between texels, and goes round in longitude.
+pub(crate) fn sampler(gpu: &Gpu) -> wgpu::Sampler {
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("layers"),
+        address_mode_u: wgpu::AddressMode::Repeat,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    })
 }
 
 fn filled(gpu: &Gpu, texels: &Texels) -> wgpu::Texture {
@@ -180,22 +213,13 @@ impl LayerTargets {
         ));
         let pictures_layout = gpu.fragment_layout("layers", &types);
         let views = |textures: &[wgpu::Texture], dimension| {
-            let descriptor = wgpu::TextureViewDescriptor {
-                dimension: Some(dimension),
-                ..Default::default()
-            };
+            let descriptor = viewed(dimension);
             let views = textures.iter();
             let views = views.map(|texture| texture.create_view(&descriptor));
             views.collect::<Vec<_>>()
         };
         let maps = views(&textures.maps, wgpu::TextureViewDimension::D2);
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("layers"),
-            address_mode_u: wgpu::AddressMode::Repeat,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        let sampler = sampler(gpu);
         let pictures = textures.cubes.each_ref().map(|cubes| {
             let cubes = views(cubes, wgpu::TextureViewDimension::Cube);
             let views = cubes.iter().chain(&maps);

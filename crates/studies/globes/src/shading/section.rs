@@ -2,7 +2,7 @@
 //! The sections on layers: views of the Earth, the ablation of features, faults, projections, and triangles against
 //! pixels.
 
-use super::{PART, is_of, tessellation};
+use super::{PART, is_of, tessellation, textures};
 use crate::metrics::{self, *};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
@@ -32,7 +32,7 @@ const NEARER: f64 = 0.9;
 const BEYOND: Column = Column::metric("px beyond 8 bits", GLOBE_SHADE_BEYOND_PX);
 const LOST: Column = Column::metric("not finite", GLOBE_NON_FINITE);
 
-pub(crate) const SECTIONS: [Section<'static>; 6] = [
+pub(crate) const SECTIONS: [Section<'static>; 7] = [
     Section {
         title: "Five layers of the Earth",
         text: "Colour with water, bumps, clouds and lights of night are NASA's pictures, by longitude and latitude. One \
@@ -123,6 +123,7 @@ pub(crate) const SECTIONS: [Section<'static>; 6] = [
         ..Section::EMPTY
     },
     tessellation::SECTION,
+    textures::SECTION,
     Section {
         title: "Layers and projections as drawn; what is not finite is magenta",
         cases: Select::Fitting(|case| {

@@ -17,7 +17,13 @@ const KINDS: &[&dyn SurfaceKind] = &[&SpiralKind];
 fn shadings(side_px: u32) -> CaseGroup<Shadings> {
     let list = List::shipped().expect("a list");
     let opened = Rc::new(Opened::new(KINDS));
-    Shadings::planned(&list, (side_px, 1), true, synthetic::sources(), &opened)
+    Shadings::planned(
+        &list,
+        (side_px, 1),
+        true,
+        Rc::new(synthetic::sources()),
+        &opened,
+    )
 }
 
 #[test]
@@ -173,7 +179,7 @@ fn the_earth_s_layers_are_right_from_all_sides() {
     assert_eq!(files.iter().filter(is_texture).count(), 5);
     on_device(terrafill_gpu::shared_gpu, |context| {
         let list = List::shipped().expect("a list");
-        let shadings = Shadings::planned(&list, (160, 1), true, sources, &opened);
+        let shadings = Shadings::planned(&list, (160, 1), true, Rc::new(sources), &opened);
         let mut session = shadings.open(context).expect("opens");
         let work = shadings.work.work.iter().enumerate();
         for (case, work) in work.filter(|(_, work)| matches!(work.what, "layers" | "projections")) {
