@@ -71,7 +71,19 @@ const NAMES: Names<'static> = Names::Columns(&[
     ("pages a frame", TRANSFERS),
 ]);
 
-const PICTURES: &[(&str, &str)] = &[("before", "frame 24"), ("picture", "at rest")];
+const PICTURES: &[(&str, &str)] = &[
+    ("before", "frame 24"),
+    ("picture", "at rest"),
+    (
+        "afar",
+        "the same pages from 9,000 km; the box is what the eye sees",
+    ),
+    (
+        "balance",
+        "lines where levels meet; the star is below the eye",
+    ),
+    ("tree", "the quadtree over the texture, with its levels"),
+];
 
 const BY_RULE: Section<'static> = Section {
     title: "Flights by every rule",

@@ -320,6 +320,19 @@ impl<'a> Reference<'a> {
         [is_near, false]
     }
 
+    /// Levels of the pages that pixels show, row by row.
+    pub(crate) fn levels(&self) -> Vec<Option<u32>> {
+        let width = self.eye.size.width as usize;
+        let pixels = (0..self.eye.size.pixel_count()).into_par_iter();
+        let level = pixels.map(|pixel| {
+            let px = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+            let found = self.lookups(self.facet(px)?, &[px])?;
+            let (page, _) = found.first()?.shown?;
+            Some(page.level)
+        });
+        level.collect()
+    }
+
     fn by_pixel(&self, one: impl Fn(usize, [f64; 2]) -> Judged + Sync) -> Judged {
         let width = self.eye.size.width as usize;
         let pixels = (0..self.eye.size.pixel_count()).into_par_iter();

@@ -40,17 +40,30 @@ pub(crate) struct Eye {
 impl Eye {
     pub(crate) fn over(longitude_deg: f64, latitude_deg: f64, height_m: f64, side_px: u32) -> Self {
         let place = Geodetic::from_degrees(longitude_deg, latitude_deg, height_m);
+        Self::at(place, ImageSize::new(side_px, side_px))
+    }
+
+    /// An eye above the same place at another height, metres.
+    pub(crate) fn above(&self, height_m: f64) -> Self {
+        let place = Geodetic {
+            height_m,
+            ..self.place
+        };
+        Self::at(place, self.size)
+    }
+
+    fn at(place: Geodetic, size: ImageSize) -> Self {
         let pose = CameraPose {
             eye: place,
             heading_rad: 0.0,
             pitch_rad: -PI / 2.0,
             fov_y_rad: FOV_DEG.to_radians(),
-            near_m: 0.1 * height_m,
+            near_m: 0.1 * place.height_m,
         };
         Self {
             place,
             camera: Camera::new(&Ellipsoid::WGS84, &pose),
-            size: ImageSize::new(side_px, side_px),
+            size,
         }
     }
 }

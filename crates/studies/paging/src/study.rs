@@ -8,7 +8,7 @@ use crate::judge::{Judged, Reference};
 use crate::metrics::{self, *};
 use crate::page_file::PageFile;
 use crate::path::{Eye, FRAMES, Globe, Path};
-use crate::picture::{of_levels, write};
+use crate::picture::{of_levels, of_tree, with_balance, with_outline, write};
 use crate::residency::SLOT;
 use crate::stage::{Look, Said, Stage};
 use crate::texture::{PAGE_BYTES, Page, Source, Texture};
@@ -40,6 +40,8 @@ const WINDOWS_PX: [u32; 3] = [1000, 800, 600];
 const HYSTERESIS_AT_REST: f64 = 4.0;
 /// The frame that is judged beside the last: while the eye moves, and four after a jump.
 const MOVING: usize = 24;
+/// From where the last frame's pages are seen on the whole globe.
+const AFAR_M: f64 = 9e6;
 /// Timed frames of a view that stands still.
 const STILL: usize = 20;
 /// Whose picture it is: the scene names file and hash.
@@ -293,6 +295,8 @@ struct ShownFrame {
 /// What a flight showed.
 struct Shown {
     frames: Vec<ShownFrame>,
+    /// The last one's pages from afar.
+    afar: Option<ShownFrame>,
     records: Vec<FrameRecord>,
 }
 
@@ -300,7 +304,7 @@ impl Shown {
     /// Of all that does not depend on how long it took.
     fn hash(&self) -> String {
         let mut numbers = Vec::new();
-        for shown in &self.frames {
+        for shown in self.frames.iter().chain(&self.afar) {
             for said in &shown.said {
                 numbers.extend(said.texels);
                 numbers.push(said.wanted.map_or(0, |level| level + 1));
@@ -372,6 +376,47 @@ impl<'a> PagingSession<'a> {
         file.bytes().map_err(Failure::broken)
     }
 
+    /// Colours of a frame's pixels, or of the levels that they say.
+    fn pixels(&self, frame: &ShownFrame) -> Vec<[u8; 3]> {
+        if self.is_pattern() {
+            return of_levels(&frame.said);
+        }
+        frame.colours.iter().map(|[rgb @ .., _]| *rgb).collect()
+    }
+
+    fn write(&self, case: usize, stem: &str, pixels: &[[u8; 3]]) -> Result<String, Failure> {
+        let stem = format!("{}-{stem}", self.group.cases[case].id.name);
+        let size = [self.group.work.works[case].side_px; 2];
+        let is_photo = !self.is_pattern();
+        Ok(write(self.context.folder, &stem, size, pixels, is_photo)?)
+    }
+
+    /// Pictures of a flight's last pages on the whole globe, and of their quadtree.
+    ///
+    /// - `eye`: that they were chosen by
+    fn pictures_afar(
+        &self,
+        case: usize,
+        afar: &ShownFrame,
+        eye: &Eye,
+    ) -> Result<Vec<(&'static str, String)>, Failure> {
+        let ShownFrame {
+            eye: far, table, ..
+        } = afar;
+        let pixels = self.pixels(afar);
+        let texture = &self.group.work.texture;
+        let levels = Reference::new(*far, &self.globe, texture, table, false).levels();
+        let side_px = self.group.work.works[case].side_px;
+        let pictures = [
+            ("afar", with_outline(&pixels, far, eye)),
+            ("balance", with_balance(&pixels, &levels, far, eye)),
+            ("tree", of_tree(table, side_px)),
+        ];
+        let written = pictures.into_iter();
+        let written = written.map(|(note, pixels)| Ok((note, self.write(case, note, &pixels)?)));
+        written.collect()
+    }
+
     fn judge_frame(&self, work: &Work, shown: &ShownFrame) -> Result<Judged, Failure> {
         let texture = &self.group.work.texture;
         let by_derivative = work.flight.rule == Rule::Derivative;
@@ -395,6 +440,20 @@ fn is_judged(work: &Work, frame: usize, is_last: bool) -> bool {
     is_last || (matches!(work.part, FLIGHTS | OF_EARTH) && frame == MOVING)
 }
 
+/// Whether the last frame's pages are drawn from afar as well: of a tree, whose leaves no footprint of the far eye moves.
+fn is_seen_from_afar(work: &Work) -> bool {
+    let Flight {
+        rule,
+        hysteresis,
+        budget,
+        ..
+    } = work.flight;
+    matches!(work.part, FLIGHTS | OF_EARTH)
+        && rule == Rule::Counted
+        && hysteresis > 1.0
+        && budget == usize::MAX
+}
+
 impl Shows for PagingSession<'_> {
     type Shown = Shown;
 
@@ -408,7 +467,7 @@ impl Shows for PagingSession<'_> {
             addresses: true,
         };
         let mut paged = self.paged(work.side_px)?;
-        let mut frames = Vec::new();
+        let (mut frames, mut afar) = (Vec::new(), None);
         let records = fly(
             &mut paged,
             work.flight,
@@ -437,16 +496,52 @@ impl Shows for PagingSession<'_> {
                     colours,
                     counted,
                 });
+                if last == 1 && is_seen_from_afar(&work) {
+                    let eye = eye.above(AFAR_M);
+                    let look = Look {
+                        by_derivative: false,
+                        counts: false,
+                        measures: false,
+                        addresses: false,
+                    };
+                    stage.draw(&eye, look)?;
+                    let colours = stage.colours()?;
+                    let mut said = Vec::new();
+                    if is_pattern {
+                        let look = Look {
+                            addresses: true,
+                            ..look
+                        };
+                        stage.draw(&eye, look)?;
+                        said = stage.said()?;
+                    }
+                    afar = Some(ShownFrame {
+                        frame,
+                        eye,
+                        table: table.to_vec(),
+                        said,
+                        colours,
+                        counted: None,
+                    });
+                }
                 Ok(())
             },
         )?;
-        let shown = Shown { frames, records };
+        let shown = Shown {
+            frames,
+            afar,
+            records,
+        };
         Ok((shown.hash(), shown))
     }
 
     fn judge(&mut self, case: usize, shown: Shown) -> Result<Verdict, Failure> {
         let work = self.group.work.works[case];
-        let Shown { frames, records } = &shown;
+        let Shown {
+            frames,
+            afar,
+            records,
+        } = &shown;
         let mut all = Judged::default();
         let mut last = Judged::default();
         let mut moving = None;
@@ -478,23 +573,17 @@ impl Shows for PagingSession<'_> {
             }
             let is_last = number + 1 == frames.len();
             if is_last || frame.frame == MOVING {
-                let size = [work.side_px; 2];
-                let pixels: Vec<[u8; 3]> = if self.is_pattern() {
-                    of_levels(&frame.said)
-                } else {
-                    frame.colours.iter().map(|[rgb @ .., _]| *rgb).collect()
-                };
-                let stem = format!("{}-{}", self.group.cases[case].id.name, frame.frame);
+                let stem = frame.frame.to_string();
                 let note = if is_last { "picture" } else { "before" };
-                let path = write(
-                    self.context.folder,
-                    &stem,
-                    size,
-                    &pixels,
-                    !self.is_pattern(),
-                )?;
-                notes.push((note, path));
+                notes.push((note, self.write(case, &stem, &self.pixels(frame))?));
             }
+        }
+        if let Some((afar, last)) = afar.as_ref().zip(frames.last()) {
+            let found = self.judge_frame(&work, afar)?;
+            all.mismatched += found.mismatched;
+            all.in_band += found.in_band;
+            all.covered += found.covered;
+            notes.extend(self.pictures_afar(case, afar, &last.eye)?);
         }
         if records.len() == MOST_FRAMES {
             reason = format!("it still reads after {MOST_FRAMES} frames");
