@@ -51,7 +51,7 @@ const VIEWS: [&str; 6] = [
 const CELLS: u32 = 40;
 /// Whose area is drawn in several levels, as in Figure 1, and by how many each is below the finest that a pixel asks for.
 const LEVELS_OF: &str = "italy-1161km";
-const LEVELS: [u32; 3] = [4, 2, 0];
+const LEVELS: [u32; 3] = [4, 3, 0];
 
 /// The picture of the shipped scene, and the files that it was read from.
 ///
