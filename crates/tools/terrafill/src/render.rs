@@ -64,6 +64,10 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     if let Some(asked) = case::Asked::of(name) {
         return case(&asked, arguments, out);
     }
+    if arguments.picture.is_some() {
+        let message = "--picture: found with a scene, allowed: with STUDY/VALUE… of a case";
+        return Err(Failure::bad_input(message));
+    }
     let scene = scene(name, arguments)?;
     let view = find_view(&scene, arguments.view.as_deref())?;
     let wanted = wanted(&scene, arguments)?;

@@ -99,7 +99,7 @@ impl<'a> Asked<'a> {
         let number = planned.groups.iter().flat_map(|group| group.cases());
         let number = number.filter(|case| is_asked(&case.id)).count();
         if number == 0 {
-            return Err(self.refused(&planned));
+            return Err(self.refused(&planned, arguments));
         }
         let folder = tempfile::tempdir().map_err(Failure::bad_input)?;
         let images = folder.path().join("images");
@@ -124,8 +124,14 @@ impl<'a> Asked<'a> {
                 let verdict = session.verify(index);
                 let verdict = verdict.or_else(terrafill_study::Failure::verdict);
                 let verdict = verdict.map_err(failed)?;
-                let Some(path) = picture(&verdict) else {
-                    reason = verdict.reason;
+                let Some(path) = picture(&verdict, arguments.picture.as_deref()) else {
+                    reason = match (&arguments.picture, verdict.reason.is_empty()) {
+                        (Some(name), true) => {
+                            let names = choices(name, pictures(&verdict).map(|(name, _)| name));
+                            format!("--picture: found {name:?}, allowed: {names}")
+                        }
+                        _ => verdict.reason,
+                    };
                     continue;
                 };
                 let path = folder.path().join(path);
@@ -148,7 +154,7 @@ impl<'a> Asked<'a> {
     }
 
     /// That no case has all that was asked for: which values there are.
-    fn refused(&self, planned: &Planned) -> Failure {
+    fn refused<'b>(&self, planned: &Planned, arguments: &'b RenderArguments) -> Failure {
         let groups = planned.groups.iter();
         let cases: Vec<&CaseId> = groups
             .flat_map(|group| group.cases())
@@ -161,12 +167,13 @@ impl<'a> Asked<'a> {
             .collect();
         let study = self.study.name();
         if let Some(value) = self.values.iter().find(|value| !values.contains(**value)) {
-            // Of numbers there are too many, and a word is what was meant.
-            let is_word = |value: &&str| !value.is_empty() && value.parse::<f64>().is_err();
-            let names = values.into_iter().filter(is_word);
+            // Of numbers there are too many where a word is what was meant.
+            let is_number = |value: &str| value.parse::<f64>().is_ok();
+            let is_like = |own: &&str| !own.is_empty() && is_number(own) == is_number(value);
+            let names = values.into_iter().filter(is_like);
             let mut message = format!(
                 "{study}: found {value:?}, allowed: {}",
-                choices(value, names)
+                choices(value, in_order(names))
             );
             for skipped in &planned.skipped {
                 message += &format!("\nleft out: {}: {}", skipped.what, skipped.reason);
@@ -177,31 +184,57 @@ impl<'a> Asked<'a> {
         let alike = cases
             .iter()
             .filter(|case| self.values.iter().all(|value| has(case, value)));
-        let views: BTreeSet<&str> = alike
-            .filter_map(|case| case.conditions.get("view"))
-            .map(String::as_str)
-            .collect();
+        let of = |key: &str| -> Vec<&str> {
+            let values = alike.clone().filter_map(|case| case.conditions.get(key));
+            in_order(values.map(String::as_str))
+        };
+        let asked = |pair: &'b str| pair.split_once('=');
+        let set = arguments.set.iter().flat_map(|all| all.split(','));
+        let refused = set.filter_map(asked).find_map(|(key, value)| {
+            let known = of(key);
+            (!known.is_empty() && !known.contains(&value))
+                .then(|| format!("--set {key}={}", choices(value, known)))
+        });
+        let allowed = refused.unwrap_or_else(|| format!("--view {}", choices("", of("view"))));
         Failure::bad_input(format!(
-            "{study}: found no case with all of these values, allowed with {:?}: --view {}",
+            "{study}: found no case with all of these values, allowed with {:?}: {allowed}",
             self.values,
-            choices("", views)
         ))
     }
 }
 
-/// The first picture that a verdict names, relative to the folder: what is seen before what it is held against.
-fn picture(verdict: &Verdict) -> Option<&str> {
+/// Each once: by their size where all are numbers, else by the alphabet.
+fn in_order<'a>(values: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let values: BTreeSet<&str> = values.collect();
+    let numbers = values.iter().map(|value| value.parse::<f64>().ok());
+    match numbers.collect::<Option<Vec<f64>>>() {
+        Some(numbers) => {
+            let mut both: Vec<(f64, &str)> = numbers.into_iter().zip(values).collect();
+            both.sort_by(|a, b| a.0.total_cmp(&b.0));
+            both.into_iter().map(|(_, value)| value).collect()
+        }
+        None => values.into_iter().collect(),
+    }
+}
+
+/// Pictures that a verdict names, and their paths relative to the folder.
+fn pictures(verdict: &Verdict) -> impl Iterator<Item = (&str, &str)> {
+    let notes = verdict.notes.iter();
+    let notes = notes.map(|(name, path)| (*name, path.as_str()));
+    notes.filter(|(_, path)| path.starts_with("images/"))
+}
+
+/// The picture of this name that a verdict has, relative to the folder; without one the first: what is seen before what
+/// it is held against.
+fn picture<'a>(verdict: &'a Verdict, name: Option<&str>) -> Option<&'a str> {
     let of = |name: &str| {
-        let named = verdict.notes.iter().find(|(note, _)| *note == name);
-        named.map(|(_, path)| path.as_str())
+        let named = pictures(verdict).find(|(note, _)| *note == name);
+        named.map(|(_, path)| path)
     };
-    let any = || {
-        verdict
-            .notes
-            .iter()
-            .map(|(_, path)| path.as_str())
-            .find(|path| path.starts_with("images/"))
-    };
+    if let Some(name) = name {
+        return of(name);
+    }
+    let any = || pictures(verdict).map(|(_, path)| path).next();
     of("picture").or_else(|| of("image")).or_else(any)
 }
 
@@ -279,5 +312,26 @@ mod tests {
         assert!(!is_asked("globes/layers --set tangent"));
         assert!(Asked::of("california").is_none());
         assert!(Asked::of("extreme/poles").is_none() && Asked::of("extreme/a").is_some());
+    }
+
+    #[test]
+    fn numbers_are_listed_by_size_and_a_picture_is_named() {
+        let of = |values: &[&'static str]| in_order(values.iter().copied());
+        assert_eq!(of(&["10", "2", "1", "10"]), ["1", "2", "10"]);
+        // Negative control: a word among them is sorted as words are.
+        assert_eq!(of(&["10", "2", "any"]), ["10", "2", "any"]);
+        let verdict = Verdict {
+            notes: vec![
+                ("bytes", "1 2".to_owned()),
+                ("before", "images/a.png".to_owned()),
+                ("picture", "images/b.png".to_owned()),
+            ],
+            ..Verdict::default()
+        };
+        assert_eq!(picture(&verdict, None), Some("images/b.png"));
+        assert_eq!(picture(&verdict, Some("before")), Some("images/a.png"));
+        // Negative controls: what is no picture, and a name that there is not.
+        assert_eq!(picture(&verdict, Some("bytes")), None);
+        assert_eq!(picture(&verdict, Some("tree")), None);
     }
 }

@@ -962,6 +962,10 @@ fn a_case_of_a_study_is_drawn_judged_and_named() {
         ),
         (["decals/campus", "--view", "cellar"], "nadir"),
         (
+            ["decals/campus", "--picture", "pictur"],
+            "did you mean \"picture\"?",
+        ),
+        (
             ["decals/campus", "--technique", "vertex"],
             "allowed: with a scene",
         ),
