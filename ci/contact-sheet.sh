@@ -24,32 +24,42 @@ npm install --prefix "$tools" --no-save --no-audit --no-fund --silent puppeteer-
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
+# Twelve columns of this many pixels, and gaps between them.
+column=109
+gap=8
+width=$((12 * column + 11 * gap))
 {
-    echo '<style>body{margin:6px;width:1000px;background:#fff;color:#111;font:13px/1.25 sans-serif}'
-    echo 'div{display:grid;grid-template-columns:repeat(5,1fr);gap:8px}figure{margin:0}img{width:100%}</style><div>'
+    echo "<style>body{margin:6px;width:${width}px;background:#fff;color:#111;font:14px/1.25 sans-serif}"
+    echo "div{display:grid;grid-template-columns:repeat(12,${column}px);gap:${gap}px;align-items:start}"
+    echo 'figure{margin:0}img{width:100%;display:block}</style><div>'
 } >"$folder/sheet.html"
 number=0
-# The figure and what it shows | what `terrafill render` draws of it.
-while IFS='|' read -r caption drawn; do
+# How many columns wide, with x2 where it is drawn at twice the size | the figure and what it shows | what `terrafill render` draws of it.
+while IFS='|' read -r columns caption drawn; do
     number=$((number + 1))
+    # As many pixels as the sheet has for it, so that lines of a pixel stay so; or twice as many.
+    times=1
+    case "$columns" in *x2) times=2 ;; esac
+    columns=${columns%x2}
+    size=$((times * (columns * column + (columns - 1) * gap)))
     # The name of a case may have blanks; options stand behind " --".
     options=()
     case "$drawn" in *" --"*) read -ra options <<<"--${drawn#* --}" ;; esac
-    "$program" render "${drawn%% --*}" ${options[@]+"${options[@]}"} --size 384 --out "$folder/$number.png" >"$folder/said.txt" 2>&1 || {
+    "$program" render "${drawn%% --*}" ${options[@]+"${options[@]}"} --size "$size" --out "$folder/$number.png" >"$folder/said.txt" 2>&1 || {
         cat "$folder/said.txt" >&2
         exit 1
     }
-    echo "<figure><img src='$number.png'><figcaption>$caption</figcaption></figure>" >>"$folder/sheet.html"
+    echo "<figure style='grid-column:span $columns'><img src='$number.png'><figcaption>$caption</figcaption></figure>" >>"$folder/sheet.html"
 done <ci/contact-sheet.txt
 echo '</div>' >>"$folder/sheet.html"
-NODE_PATH="$tools/node_modules" node - "$chromium" "$folder/sheet.html" "$out" <<'JS'
-const [program, page, path] = process.argv.slice(2);
+NODE_PATH="$tools/node_modules" node - "$chromium" "$folder/sheet.html" "$out" "$((width + 12))" <<'JS'
+const [program, page, path, width] = process.argv.slice(2);
 (async () => {
     const browser = await require('puppeteer-core').launch({ executablePath: program, args: ['--no-sandbox'] });
     const tab = await browser.newPage();
-    await tab.setViewport({ width: 1012, height: 800 });
+    await tab.setViewport({ width: Number(width), height: 800 });
     await tab.goto(`file://${page}`);
-    await tab.screenshot({ path, type: 'jpeg', quality: 82, fullPage: true });
+    await tab.screenshot({ path, type: 'jpeg', quality: 60, fullPage: true });
     await browser.close();
 })();
 JS
