@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on shadows: a section a question, what was published beside what is measured.
 
+mod claims;
 mod drawn;
 mod elsewhere;
 mod findings;
@@ -30,7 +31,7 @@ pub(crate) const CHAPTER: SectionedChapter = SectionedChapter {
     primary: Figure::Metric(TIME),
     answers,
     sections: &SECTIONS,
-    claims: None,
+    claims: Some(&claims::CLAIMS),
 };
 
 fn answers(cases: &Cases<'_>) -> Answers {

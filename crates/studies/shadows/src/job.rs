@@ -3,6 +3,7 @@
 
 use crate::ablation::StencilStep;
 use crate::count::Rule;
+use crate::counted::{Counted, Ranges};
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
 use crate::near::EyeTest;
@@ -29,9 +30,9 @@ terrafill_results::named! {
 pub(crate) enum Job {
     Eye([f64; 2], f64, EyeTest),
     Updates([f64; 2], End, Rule),
-    Scissor([f64; 2], Scissor),
+    Scissor([f64; 2], Scissor, Counted),
     /// By depth bounds, volumes closed at the sea.
-    Bounds([f64; 2], Rule),
+    Bounds([f64; 2], Rule, Ranges, Counted),
     Finite([f64; 2], f64),
     Row(u32, bool),
     Casters(Policy),

@@ -10,6 +10,7 @@ mod brought;
 mod casting;
 mod chapter;
 mod count;
+mod counted;
 mod device;
 mod device_map;
 mod drawing;

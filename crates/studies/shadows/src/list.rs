@@ -7,6 +7,7 @@ use self::planned::{planned, question};
 use crate::ablation::steps;
 use crate::brought::Brought;
 use crate::count::Rule;
+use crate::counted::{Counted, Ranges};
 use crate::device::Interface;
 use crate::job::{Job, Method};
 use crate::maps::Bias;
@@ -58,6 +59,14 @@ const TEXELS_M: [f64; 4] = [1.0, 0.25, 0.1, 0.05];
 const QUICK_TEXELS: usize = 2;
 /// Sun of scissors and finite volumes.
 const LOW_SUN: [f64; 2] = [10.0, -60.0];
+/// What counts where a scissor cuts.
+const SCISSORED: [Counted; 2] = [Counted::All, Counted::AboveSea];
+/// The same of depth bounds, by whose they are.
+const BOUNDED: [(Ranges, Counted); 3] = [
+    (Ranges::OfParts, Counted::All),
+    (Ranges::One, Counted::All),
+    (Ranges::One, Counted::InRange),
+];
 /// Sun of rails seen from near, low enough to show a step of f32.
 const RAIL_SUN: [f64; 2] = [3.0, -60.0];
 /// From where places in `f32` are looked at.
@@ -263,13 +272,14 @@ pub(crate) fn questions(
     let of_place = |place, chooser| Job::View(LOW_SUN, place, chooser);
     let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
+    let of_bounds = |sun, rule, (ranges, counted)| Job::Bounds(sun, rule, ranges, counted);
     let all: [Vec<Job>; 20] = [
         vec![Job::Model],
         under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
         updates.collect(),
         cross(&Place::ALL, &Chooser::ALL, of_place),
-        cross(&[LOW_SUN], &Scissor::ALL, Job::Scissor),
-        cross(suns, &[Rule::Pass, Rule::Fail], Job::Bounds),
+        under(&[LOW_SUN], &Scissor::ALL, &SCISSORED, Job::Scissor),
+        under(suns, &[Rule::Pass, Rule::Fail], &BOUNDED, of_bounds),
         cross(&[LOW_SUN], &LENGTHS, Job::Finite),
         cross(&ROWS, &[false, true], Job::Row),
         Policy::ALL.map(Job::Casters).into(),

@@ -9,6 +9,7 @@ terrafill_results::conditions! {
     BOXES = "boxes", "how boxes are turned: edge-on to the sun, or at random";
     CASTERS = "casters", "how many models cast shadows";
     CHECKED_PX = "checked_px", "pixels a side that a ray decides";
+    COUNTED = "counted", "which pixels are judged, where not all are: above the sea, or in the range of depths";
     COUNTING = "counting", "how many shadows of one pixel a stencil of 8 bits tells apart";
     DEPTH_BOUNDS = "depth_bounds", "where the surface must lie for a fragment of a volume to count: in its range of depth, tested by the device, a shader, or for tiles";
     EXTENT = "extent", "where volumes end: nowhere, below the sea, or at a length";
@@ -55,7 +56,11 @@ terrafill_results::conditions! {
     "no normals" = "faces turned away from the sun ask the map too";
     "map" = "shadow map: depths seen from the sun";
     "volumes" = "shadow volumes";
-    "horizon" = "of a scissor: below the horizon";
+    "horizon" = "of a scissor: rows above the horizon, which the paper does not say";
+    "sea-level" = "of a scissor: the rectangle round all that is drawn above the sea, as the paper has it";
+    "above the sea" = "pixels of casters alone are judged: the paper considers no other shadow";
+    "in the range" = "pixels whose depth is in the range of interest alone are judged";
+    "one range" = "of depth bounds: between the nearest and the farthest that a channel shows above the sea";
     "near plane" = "the nearest depth that is drawn";
     "shadow pixels lost" = "pixels in shadow that a finite volume does not reach";
     "stencil writes" = "changes of the stencil by fragments of volumes";

@@ -71,7 +71,10 @@ terrafill_results::named! {
     /// What the stencil is restricted to.
     all pub(crate) enum Scissor {
         Off = "off",
+        /// Rows above the horizon: a reading of "sea level" that the paper does not have.
         Horizon = "horizon",
+        /// The rectangle round all that is drawn above the sea.
+        SeaLevel = "sea-level",
         CasterRectangle = "caster-rect",
         ReceiverRectangle = "receiver-rect",
     }
@@ -95,10 +98,6 @@ pub(crate) struct ChannelTotals {
     pub(crate) updates: u64,
     pub(crate) max_overlap: i32,
     pub(crate) volume_triangles: usize,
-    /// Shadow pixels of the reference that are lit, in the band too.
-    pub(crate) lost: usize,
-    /// Those on casters.
-    pub(crate) lost_on_casters: usize,
     /// Of each channel.
     pub(crate) masks: Vec<Vec<bool>>,
 }
@@ -235,13 +234,6 @@ impl Scene {
             }
             drawn.wrong = drawn.wrong.plus(Wrong::of(&mask, truth));
             drawn.max_overlap = counts.into_iter().fold(drawn.max_overlap, i32::max);
-            for (at, is_dark) in mask.iter().enumerate() {
-                if truth.light[at] == Light::Shadow && !is_dark {
-                    let is_on_caster = matches!(truth.seen[at], Seen::Triangle(..));
-                    drawn.lost += 1;
-                    drawn.lost_on_casters += usize::from(is_on_caster);
-                }
-            }
             drawn.masks.push(mask);
         }
         drawn
@@ -266,7 +258,7 @@ impl Scene {
         let volume = self.volume(end)?;
         // A caster's rectangle holds its volume closed at the sea, wherever the one that is drawn ends.
         let closed = match scissor {
-            Scissor::Off | Scissor::Horizon => None,
+            Scissor::Off | Scissor::Horizon | Scissor::SeaLevel => None,
             _ => Some(self.volume(End::Sea)?),
         };
         Ok(self.draw_by(&volume, |view, truth| {
@@ -274,7 +266,7 @@ impl Scene {
             let within = match scissor {
                 Scissor::Off | Scissor::CasterRectangle => view.whole(),
                 Scissor::Horizon => above_horizon(view),
-                Scissor::ReceiverRectangle => {
+                Scissor::SeaLevel | Scissor::ReceiverRectangle => {
                     around_pixels(view, |at| matches!(truth.seen[at], Seen::Triangle(..)))
                 }
             };

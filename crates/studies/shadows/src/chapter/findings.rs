@@ -60,7 +60,7 @@ pub(super) fn finding(claim: &str, holds: bool, because: String) -> Finding {
     terrafill_lab::finding(claim, Some(holds), because)
 }
 
-impl Own<'_> {
+impl<'a> Own<'a> {
     pub(super) fn findings(&self) -> Vec<Finding> {
         let of_masks = [
             self.masks(),
@@ -71,7 +71,10 @@ impl Own<'_> {
             self.closed_and_low(),
             self.writes_elsewhere(),
             self.bounds(),
-            self.horizon(),
+            self.bounds_of_parts(),
+            self.beyond_the_range(),
+            self.above_the_sea(),
+            self.below_the_sea_level(),
             self.clears(),
             self.wrap(),
             self.devices(),
@@ -254,33 +257,105 @@ impl Own<'_> {
 
     fn bounds(&self) -> Option<Finding> {
         let mut texts = Vec::new();
-        let (mut is_less, mut lost) = (true, 0.0);
-        for case in self.of_question("bounds") {
+        let mut is_less = true;
+        for case in self.with_bounds(&["on", "on, one range"], "") {
             let (sun, rule) = (case.condition(SUN), case.condition(RULE));
             let whole = self.writes(sun, "sea-closed", rule)?;
             let within = measured(case, UPDATES)?;
             is_less &= within < whole;
-            lost += Self::wrong_px(case)?;
+            let of = match case.condition(DEPTH_BOUNDS) {
+                "on" => "",
+                _ => ", one range",
+            };
             let [whole, within] = [whole, within].map(significant);
-            texts.push(format!("{rule} at {sun}: {whole} to {within}"));
+            texts.push(format!("{rule} at {sun}{of}: {whole} to {within}"));
         }
-        let (lost_px, texts) = (number(lost), joined(texts, ", ")?);
+        let texts = joined(texts, ", ")?;
         Some(finding(
-            "Depth bounds save stencil writes and change no pixel (Yang & Jin, 2006, anticipated).",
-            is_less && lost == 0.0,
-            format!("{lost_px} pixels outside the band are wrong; writes per pixel, {texts}"),
+            "Depth bounds save stencil writes (Yang & Jin, 2006, anticipated).",
+            is_less,
+            format!("Writes per pixel, {texts}"),
         ))
     }
 
-    fn horizon(&self) -> Option<Finding> {
-        let lost = |scissor: &str| self.value("scissors", &[(SCISSOR, scissor)], LOST);
-        let (horizon, caster) = (lost("horizon")?, lost("caster-rect")?);
+    /// Cases by whose the bounds are and which pixels count.
+    fn with_bounds(&self, bounds: &[&str], counted: &str) -> Vec<&'a Case> {
+        let all = self.of_question("bounds");
+        let own = all.filter(|case| {
+            bounds.contains(&case.condition(DEPTH_BOUNDS)) && case.condition(COUNTED) == counted
+        });
+        own.collect()
+    }
+
+    fn bounds_of_parts(&self) -> Option<Finding> {
+        let own = self.with_bounds(&["on"], "");
+        let wrong: Option<Vec<f64>> = own.into_iter().map(Self::wrong_px).collect();
+        let wrong = wrong.filter(|wrong| !wrong.is_empty())?;
+        let total: f64 = wrong.iter().sum();
         Some(finding(
-            "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered).",
-            horizon == 0.0,
+            "Depth bounds that are those of each part's own volume change no pixel.",
+            total == 0.0,
             format!(
-                "It loses {} % of the shadow pixels; rectangles of casters lose {} %",
-                significant(horizon),
+                "{} pixels outside the band are wrong in {} cases",
+                number(total),
+                wrong.len()
+            ),
+        ))
+    }
+
+    /// Figure 6: a shadowed point beyond the range loses its fragment.
+    fn beyond_the_range(&self) -> Option<Finding> {
+        let figures = |counted, metric| -> Option<Vec<f64>> {
+            let own = self.with_bounds(&["on, one range"], counted).into_iter();
+            let all: Option<Vec<f64>> = own.map(|case| measured(case, metric)).collect();
+            all.filter(|all| !all.is_empty())
+        };
+        let lost = figures("", LOST)?;
+        let inside = self.with_bounds(&["on, one range"], "in the range");
+        let inside: Option<Vec<f64>> = inside.into_iter().map(Self::wrong_px).collect();
+        let inside: f64 = inside?.iter().sum();
+        let is_any = lost.iter().any(|share| *share > 0.0);
+        Some(finding(
+            "One range of depths drops shadowed points beyond it, and leaves those within as they are (Yang & Jin, 2006, observed).",
+            is_any && inside == 0.0,
+            format!(
+                "From the nearest to the farthest that a channel shows above the sea: {} % of the shadow pixels are lost, and {} \
+                 pixels within the range are wrong outside the band",
+                range(&lost)?,
+                number(inside)
+            ),
+        ))
+    }
+
+    /// Shadow pixels lost by a scissor, of those that count, %.
+    fn scissored(&self, scissor: &str, counted: &str) -> Option<f64> {
+        let conditions = [(SCISSOR, scissor), (COUNTED, counted)];
+        self.value("scissors", &conditions, LOST)
+    }
+
+    fn above_the_sea(&self) -> Option<Finding> {
+        let lost = |scissor| self.scissored(scissor, "above the sea");
+        let (own, horizon) = (lost("sea-level")?, lost("horizon")?);
+        Some(finding(
+            "A scissor to the range drawn above sea level loses no shadow above sea level (Yang & Jin, 2006, considered).",
+            own == 0.0,
+            format!(
+                "It loses {} % of the shadow pixels above the sea. Rows above the horizon, which the paper does not say, lose {} %",
+                significant(own),
+                significant(horizon)
+            ),
+        ))
+    }
+
+    fn below_the_sea_level(&self) -> Option<Finding> {
+        let lost = |scissor| self.scissored(scissor, "");
+        let (own, caster) = (lost("sea-level")?, lost("caster-rect")?);
+        Some(finding(
+            "Beyond the range drawn above sea level there is no shadow (Yang & Jin, 2006, considered).",
+            own == 0.0,
+            format!(
+                "{} % of all shadow pixels lie beyond it, on the sea; rectangles of casters lose {} %",
+                significant(own),
                 significant(caster)
             ),
         ))

@@ -161,20 +161,23 @@ pub(super) const SECTIONS: [Section<'static>; 20] = [
         shows_what_is_wrong: false,
         ..section(
             ["scissors", "Scissors"],
-            "Three readings of \"what lies above the sea\". One is rows above the horizon, one a rectangle round each \
-                 caster's volume, closed at the sea. The third is the same, cut by the rectangle round everything above \
-                 the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
-            &[SUN, SCISSOR],
-            &[LOST_SHARE, WRITES, DARK_PX],
+            "The paper considers shadows above sea level alone, and cuts to the range that is drawn there. \"sea-level\" is \
+                 that rectangle, round all that stands above the sea; \"caster-rect\" is one round each caster's volume, closed \
+                 at the sea, and \"receiver-rect\" what both have. Rows above the horizon are not what the paper says, and cut \
+                 the dock. Each is judged by all pixels, and by those above the sea alone. z-fail, infinite volumes.",
+            &[SUN, SCISSOR, COUNTED],
+            &[LOST_SHARE, WRITES, LIT_PX, DARK_PX, SHADE_PX],
         )
     },
     section(
         ["bounds", "Depth bounds"],
-        "A fragment writes only where the depth of what is seen lies in the range of its part's volume, closed at \
-             the sea: exact under either rule. Counted as an eight-bit stencil would; \"Volumes, rules and suns\" has \
+        "A fragment writes only where the depth of what is seen lies in a range. \"On\" is that of its part's volume, closed at \
+             the sea: exact under either rule. The paper names a range of interest, and its figure 6 drops a shadowed point \
+             beyond it. \"One range\" is such a one: from the nearest to the farthest that the channel shows above the sea, \
+             judged by all pixels, and by those in the range alone. Counted as an eight-bit stencil would; \"Volumes, rules and suns\" has \
              the same without bounds. Devices that have the test are measured with it below.",
-        &[SUN, RULE],
-        &[WRITES, LIT_PX, DARK_PX, BAND_PX],
+        &[SUN, RULE, DEPTH_BOUNDS, COUNTED],
+        &[WRITES, LOST_SHARE, LIT_PX, DARK_PX, BAND_PX],
     ),
     Section {
         more: &[finite_plot],

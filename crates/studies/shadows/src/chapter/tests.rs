@@ -237,10 +237,66 @@ fn a_question_that_was_measured_has_a_table_and_others_have_none() {
     let run = run.write(folder.path()).expect("a run");
     let blocks = CHAPTER.blocks(&run).expect("a chapter");
     let count = |is_it: fn(&Block) -> bool| blocks.iter().filter(|block| is_it(block)).count();
-    assert_eq!(count(|block| matches!(block, Block::Table(_))), 1);
+    // Its own, and that of the claims.
+    assert_eq!(count(|block| matches!(block, Block::Table(_))), 2);
     assert_eq!(count(|block| matches!(block, Block::Plot(_))), 1);
     let mut other = MadeUpRun::default();
     other.case(case_id("filling", "a", &[]));
     let other = other.write(&folder.path().join("other")).expect("a run");
     assert_eq!(CHAPTER.blocks(&other).expect("a chapter"), []);
+}
+
+#[test]
+fn the_paper_s_scissor_stands_by_shadows_above_the_sea_and_falls_by_those_on_it() {
+    use Standing::{DoesNotHold, Holds};
+    let claims = |[above, horizon, all, caster]: [f64; 4]| {
+        let mut run = MadeUpRun::default();
+        for (scissor, counted, lost) in [
+            ("sea-level", "above the sea", above),
+            ("horizon", "above the sea", horizon),
+            ("sea-level", "", all),
+            ("caster-rect", "", caster),
+        ] {
+            let conditions = [("scissor", scissor), ("counted", counted)];
+            let named = &conditions[..if counted.is_empty() { 1 } else { 2 }];
+            with("scissors", named, LOST, lost, &mut run);
+        }
+        ["loses no shadow above sea level", "there is no shadow"].map(|of| finding(&run, of))
+    };
+    assert_eq!(
+        claims([0.0, 60.0, 40.0, 0.0]),
+        [Some(Holds), Some(DoesNotHold)]
+    );
+    // Negative control: the other way round.
+    assert_eq!(
+        claims([60.0, 0.0, 0.0, 40.0]),
+        [Some(DoesNotHold), Some(Holds)]
+    );
+}
+
+#[test]
+fn one_range_of_depths_drops_what_is_beyond_it_and_that_alone() {
+    use Standing::{DoesNotHold, Holds};
+    let claim = |lost: f64, inside: f64| {
+        let mut run = MadeUpRun::default();
+        for (counted, metric, value) in [
+            ("", "shadow_lost_share", lost),
+            ("in the range", "shadow_false_lit_px", inside),
+        ] {
+            let conditions = [
+                ("question", "bounds"),
+                ("depth_bounds", "on, one range"),
+                ("counted", counted),
+            ];
+            let named = &conditions[..if counted.is_empty() { 2 } else { 3 }];
+            let case = run.case(case_id(crate::STUDY, &named.len().to_string(), named));
+            case.figure(metric, value);
+            case.figure("shadow_false_dark_px", 0.0);
+        }
+        finding(&run, "drops shadowed points beyond it")
+    };
+    assert_eq!(claim(12.0, 0.0), Some(Holds));
+    // Negative controls: it drops nothing, and something within.
+    assert_eq!(claim(0.0, 0.0), Some(DoesNotHold));
+    assert_eq!(claim(12.0, 1.0), Some(DoesNotHold));
 }

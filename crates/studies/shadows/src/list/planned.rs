@@ -4,6 +4,7 @@
 use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
+use crate::counted::{Counted, Ranges};
 use crate::device::Interface;
 use crate::job::{Job, Method, sun_name};
 use crate::metrics::*;
@@ -43,6 +44,11 @@ fn counting(is_guarded: bool) -> Condition {
     is(COUNTING, name)
 }
 
+/// Where not every pixel counts.
+fn where_counted(counted: Counted) -> Option<Condition> {
+    (counted != Counted::All).then(|| is(COUNTED, counted.name()))
+}
+
 /// Its question, its conditions beside that, and whether it may be wrong.
 fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
     match job {
@@ -55,14 +61,22 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(EXTENT, end.name()), is(RULE, rule.name())];
             ("updates", conditions, rule == Rule::PassAsPrinted)
         }
-        Job::Scissor(sun, scissor) => (
-            "scissors",
-            vec![under(sun), is(SCISSOR, scissor.name())],
-            !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
-        ),
-        Job::Bounds(sun, rule) => {
-            let conditions = vec![under(sun), is(RULE, rule.name()), is(DEPTH_BOUNDS, "on")];
-            ("bounds", conditions, false)
+        Job::Scissor(sun, scissor, counted) => {
+            let may_be_wrong = match scissor {
+                Scissor::Off | Scissor::CasterRectangle => false,
+                Scissor::Horizon => true,
+                Scissor::SeaLevel | Scissor::ReceiverRectangle => counted == Counted::All,
+            };
+            let conditions = vec![under(sun), is(SCISSOR, scissor.name())];
+            let conditions = conditions.into_iter().chain(where_counted(counted));
+            ("scissors", conditions.collect(), may_be_wrong)
+        }
+        Job::Bounds(sun, rule, ranges, counted) => {
+            let bounds = is(DEPTH_BOUNDS, ranges.name());
+            let conditions = vec![under(sun), is(RULE, rule.name()), bounds];
+            let conditions = conditions.into_iter().chain(where_counted(counted));
+            let may_be_wrong = ranges == Ranges::One && counted == Counted::All;
+            ("bounds", conditions.collect(), may_be_wrong)
         }
         Job::Finite(sun, length) => ("finite", vec![under(sun), is(LENGTH_M, length)], true),
         Job::Row(count, guard) => ("rows", vec![is(CASTERS, count), counting(guard)], !guard),

@@ -4,6 +4,7 @@
 use super::Answering;
 use super::meshes::{Ready, SILHOUETTE_SUN, ready};
 use crate::count::{Rule, Wrong};
+use crate::counted::{Counted, Ranges};
 use crate::eyes::EyeTable;
 use crate::images;
 use crate::job::{Job, Method};
@@ -40,7 +41,16 @@ pub(super) fn seen_figures(pixels: Pixels, lost: usize) -> [(&'static str, f64);
 
 /// On a scene, over all channels.
 fn drawn_verdict(scene: &Scene, drawn: &ChannelTotals) -> Verdict {
-    let pixels = scene.pixels();
+    counted_verdict(scene, drawn, Counted::All)
+}
+
+/// The same of pixels that count.
+fn counted_verdict(scene: &Scene, drawn: &ChannelTotals, counted: Counted) -> Verdict {
+    let (wrong, lost, shadow) = scene.counting(drawn, counted);
+    let pixels = Pixels {
+        shadow,
+        ..scene.pixels()
+    };
     let mut figures = vec![
         ("shadow_edge_on_px", pixels.edge_on as f64),
         ("shadow_undecided_px", pixels.undecided as f64),
@@ -48,8 +58,8 @@ fn drawn_verdict(scene: &Scene, drawn: &ChannelTotals) -> Verdict {
         ("shadow_volume_triangles", drawn.volume_triangles as f64),
         ("shadow_max_overlap", f64::from(drawn.max_overlap)),
     ];
-    figures.extend(seen_figures(pixels, drawn.lost));
-    verdict_of(drawn.wrong, figures)
+    figures.extend(seen_figures(pixels, lost));
+    verdict_of(wrong, figures)
 }
 
 /// Right where no pixel outside the band is wrong.
@@ -109,23 +119,23 @@ impl Answering<'_> {
                 }
                 Ok(verdict)
             }
-            Job::Scissor(sun, scissor) => {
+            Job::Scissor(sun, scissor, counted) => {
                 let scene = self.of_end(sun, End::Infinite)?;
                 let drawn = scene.drawn(End::Infinite, Rule::Fail, scissor)?;
-                let mut verdict = drawn_verdict(scene, &drawn);
-                if scissor == Scissor::ReceiverRectangle {
-                    // What is meant to be left out is the sea's shadow; a caster's must not be.
-                    let lost = drawn.lost_on_casters;
-                    verdict.reason = format!("{lost} of the lost pixels lie on casters");
+                let mut verdict = counted_verdict(scene, &drawn, counted);
+                if counted == Counted::All {
+                    let image = picture(scene, folder, scissor.name(), Some(&drawn.masks))?;
+                    verdict.notes.push(image);
                 }
-                let image = picture(scene, folder, scissor.name(), Some(&drawn.masks))?;
-                verdict.notes.push(image);
                 Ok(verdict)
             }
-            Job::Bounds(sun, rule) => {
+            Job::Bounds(sun, rule, ranges, counted) => {
                 let scene = self.under(sun)?;
-                let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
-                Ok(drawn_verdict(scene, &drawn))
+                let drawn = match ranges {
+                    Ranges::OfParts => scene.drawn_within(rule, BOUNDS_SHARE)?,
+                    Ranges::One => scene.drawn_in_one_range(rule)?,
+                };
+                Ok(counted_verdict(scene, &drawn, counted))
             }
             Job::View(sun, place, chooser) => {
                 let make = || Scene::of_place(place, sun, size);
