@@ -35,6 +35,8 @@ pub(crate) struct DeviceDrawn {
     pub(crate) draws: u64,
     /// Of volumes; `None` where the device does not count them.
     pub(crate) fragments: Option<u64>,
+    /// Why a device's count of fragments cannot be right; empty where it can.
+    pub(crate) miscounted: String,
     /// Of a channel, the largest: as of [`Channel`].
     pub(crate) bytes: [u64; 2],
     pub(crate) build_ms: Option<f64>,
@@ -121,8 +123,16 @@ impl Scene {
             drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(channel.bytes[at]));
             drawn.left_out += channel.left_out;
             drawn.draws += counters.draws;
-            let fragments = drawn.fragments.zip(counters.stencil_fragments);
-            drawn.fragments = fragments.map(|(before, own)| before + own);
+            let dark = mask.iter().filter(|dark| **dark).count();
+            let counted = plausible(counters.stencil_fragments, dark);
+            let counted = counted.unwrap_or_else(|miscounted| {
+                drawn.miscounted = miscounted;
+                None
+            });
+            drawn.fragments = drawn
+                .fragments
+                .zip(counted)
+                .map(|(before, own)| before + own);
             // What is sky has no shadow, whatever the count there.
             all.extend(pixels().map(|(dark, light)| *dark && *light != Light::Sky));
             if at == darkest {
@@ -201,6 +211,16 @@ impl Scene {
             // the eye, and a rounding nearer where the cap's depth must be no nearer than what is seen.
             draws_back_faces: true,
         })
+    }
+}
+
+/// A device's count of the volumes' fragments, unless it is too small to be one: a pixel in shadow takes a fragment.
+fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u64>, String> {
+    match fragments {
+        Some(count) if count < dark as u64 => Err(format!(
+            "the device's query has {count} fragments of volumes, and {dark} pixels are in shadow, each of which takes one"
+        )),
+        counted => Ok(counted),
     }
 }
 

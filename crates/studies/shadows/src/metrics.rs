@@ -233,6 +233,9 @@ terrafill_results::metrics! {
     );
 }
 
+/// Note of why a device's count of fragments is left out.
+pub(crate) const MISCOUNTED: &str = "miscounted";
+
 /// A share that is wrong.
 const fn percent(name: &'static str, meaning: &'static str) -> Metric {
     Metric::less(name, "%", Kind::Error, meaning)

@@ -5,9 +5,9 @@ use super::plots::{
     device_map_plot, elevation_deg, finite_plot, mesh_kind, whole_triangles, writes,
 };
 use crate::metrics::*;
-use terrafill_lab::{Column, Drawing, Figure, Names, Panel, Section, Select};
+use terrafill_lab::{Column, Drawing, Figure, Names, Panel, Section, Select, measured};
 use terrafill_plot::Upwards;
-use terrafill_results::{ConditionKey, Metric};
+use terrafill_results::{Case, ConditionKey, Metric};
 
 const fn column(heading: &'static str, metric: &'static Metric) -> Column {
     Column::metric(heading, metric).or("there is none")
@@ -44,8 +44,26 @@ const BIAS_M: Column = column("best bias, m", SHADOW_MAP_BIAS_M);
 const MAP_MS: Column = column("CPU ms", SHADOW_MAP_CPU_MS);
 const MAP_GPU_MS: Column = column("map alone, GPU ms", SHADOW_MAP_GPU_MS);
 const DIFFERS: Column = column("unlike the CPU's, %", SHADOW_MAP_DIFFERS);
-const FRAGMENTS: Column =
-    column("fragments per pixel", SHADOW_FRAGMENTS).or("not counted by the device");
+pub(super) const FRAGMENTS: Column = Column::of("fragments per pixel", Figure::Computed(fragments))
+    .meaning(SHADOW_FRAGMENTS.meaning)
+    .or_of(uncounted);
+
+/// Fragments of volumes per pixel; none where a device says 0 and has pixels in shadow, as older runs of one do.
+fn fragments(case: &Case) -> Option<f64> {
+    let counted = measured(case, SHADOW_FRAGMENTS)?;
+    let is_bare = measured(case, SHADOW_PX) == Some(0.0);
+    (counted > 0.0 || is_bare).then_some(counted)
+}
+
+fn uncounted(case: &Case) -> &str {
+    match case.note(MISCOUNTED) {
+        "" if measured(case, SHADOW_FRAGMENTS).is_some() => {
+            "the device's query has 0, and every pixel in shadow takes a fragment"
+        }
+        "" => "not counted by the device",
+        why => why,
+    }
+}
 
 /// What tells ways of a device apart.
 pub(super) const DEVICE_KEYS: [ConditionKey; 8] = [

@@ -300,3 +300,31 @@ fn one_range_of_depths_drops_what_is_beyond_it_and_that_alone() {
     assert_eq!(claim(0.0, 0.0), Some(DoesNotHold));
     assert_eq!(claim(12.0, 1.0), Some(DoesNotHold));
 }
+
+#[test]
+fn a_count_of_no_fragments_where_pixels_are_in_shadow_is_an_empty_cell_with_its_reason() {
+    let cell = |counted: f64, shadow: f64, note: &str| {
+        let mut run = MadeUpRun::default();
+        let conditions = [("question", "devices"), ("api", "wgpu")];
+        let case = run.case(case_id(crate::STUDY, "a", &conditions));
+        case.figure("shadow_px", shadow).note("miscounted", note);
+        if counted >= 0.0 {
+            case.figure("shadow_fragments", counted);
+        }
+        let run = run.loaded();
+        let cases = Cases::of_study(&run, crate::STUDY);
+        let case = cases.first().expect("a case");
+        let cell = sections::FRAGMENTS.cell(&cases, case);
+        (cell.text, cell.title)
+    };
+    let (text, why) = cell(0.0, 3_000.0, "");
+    assert!(
+        !text.contains('0') && why.contains("takes a fragment"),
+        "{text} {why}"
+    );
+    let (_, why) = cell(-1.0, 3_000.0, "0 of 3000");
+    assert_eq!(why, "0 of 3000");
+    // Negative controls: a count, and no shadow to count.
+    assert_eq!(cell(22.0, 3_000.0, "").0, "22.0");
+    assert!(cell(0.0, 0.0, "").0.contains('0'));
+}

@@ -111,3 +111,17 @@ fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_
         assert_eq!((all.wrong.outside(), all.wrong.at_rims), (0, 1));
     }
 }
+
+#[test]
+fn a_count_of_fewer_fragments_than_pixels_in_shadow_is_absent_with_its_reason() {
+    let reason = plausible(Some(0), 1_200).expect_err("too few");
+    assert!(
+        reason.contains("0 fragments") && reason.contains("1200 pixels"),
+        "{reason}"
+    );
+    assert!(plausible(Some(1_199), 1_200).is_err());
+    // Negative controls: as many as there must be, nothing in shadow, and a device that counts nothing.
+    assert_eq!(plausible(Some(1_200), 1_200), Ok(Some(1_200)));
+    assert_eq!(plausible(Some(0), 0), Ok(Some(0)));
+    assert_eq!(plausible(None, 1_200), Ok(None));
+}

@@ -10,6 +10,7 @@ use crate::drawing::DeviceDrawn;
 use crate::images;
 use crate::job::Job;
 use crate::maps::{Bias, Frame};
+use crate::metrics::MISCOUNTED;
 use crate::rivals::MARGIN_PX;
 use crate::views::Eyes;
 use crate::work::{Pixels, Scene};
@@ -174,6 +175,9 @@ impl Answering<'_> {
         let path = images::write(context.folder, &name, truth, Some(&mask))?;
         verdict.notes.push(("image", path));
         verdict.notes.push(("mask_hash", drawn.mask_hash));
+        if !drawn.miscounted.is_empty() {
+            verdict.notes.push((MISCOUNTED, drawn.miscounted));
+        }
         self.opened.insert(case, channel);
         Ok(verdict)
     }
