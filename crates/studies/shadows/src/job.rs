@@ -40,7 +40,7 @@ pub(crate) enum Job {
     Silhouette(&'static str, Method),
     /// What a user's file holds.
     Model,
-    Device([f64; 2], DeviceWay),
+    Device([f64; 2], Eyes, DeviceWay),
     Origin([f64; 2], Eyes, DeviceWay),
     /// Of boxes, turned so that faces are edge-on or at random.
     Facing([f64; 2], bool, DeviceWay),
@@ -48,7 +48,7 @@ pub(crate) enum Job {
     DeviceRow(u32, DeviceWay),
     Map([f64; 2], f64, Bias),
     DeviceMap([f64; 2], f64, Bias),
-    Rival([f64; 2], Rival),
+    Rival([f64; 2], Eyes, Rival),
     View([f64; 2], Place, Chooser),
     StencilStep([f64; 2], StencilStep),
 }

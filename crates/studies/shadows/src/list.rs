@@ -75,6 +75,9 @@ const ORIGINS_SEEN: [([f64; 2], Eyes); 3] = [
     (RAIL_SUN, Eyes::At(Place::QuayEdge)),
     (LOW_SUN, Eyes::At(Place::RailShadow)),
 ];
+const BRIDGE: [Eyes; 1] = [Eyes::Bridge];
+/// Where every way of a device is looked at beside the bridge: no horizon, no level camera.
+const ABOVE: [Eyes; 1] = [Eyes::At(Place::Aerial)];
 /// Lengths of finite volumes, m.
 const LENGTHS: [f64; 7] = [6.0, 12.0, 25.0, 50.0, 100.0, 200.0, 400.0];
 /// Casters of rows; 255 is the most that 8 bits count.
@@ -259,6 +262,11 @@ pub(crate) fn questions(
     let device_suns = &DEVICE_SUNS[part(QUICK_DEVICE_SUNS, DEVICE_SUNS.len())];
     let map_suns = &MAP_SUNS[part(QUICK_MAP_SUNS, MAP_SUNS.len())];
     let texels = &TEXELS_M[part(QUICK_TEXELS, TEXELS_M.len())];
+    // A user's model is seen from where it is looked at.
+    let from_above = match brought {
+        Some(_) => &[][..],
+        None => &[LOW_SUN],
+    };
     // By what the casters are cut to: each scene is made once.
     let ends = [End::Infinite, End::SeaOfWhole, End::Sea, End::Calm];
     let rules = |end| match end {
@@ -285,9 +293,20 @@ pub(crate) fn questions(
         Policy::ALL.map(Job::Casters).into(),
         cross(&MODELS, &Way::ALL, Job::Outline),
         cross(meshes, &Method::ALL, Job::Silhouette),
-        cross(device_suns, &of_both(device_ways), Job::Device),
+        under(device_suns, &BRIDGE, &of_both(device_ways), Job::Device)
+            .into_iter()
+            .chain(under(
+                from_above,
+                &ABOVE,
+                &of_both(device_ways),
+                Job::Device,
+            ))
+            .collect(),
         cross(device_suns, &of_both(steps), Job::StencilStep),
-        cross(device_suns, &Rival::ALL, Job::Rival),
+        under(device_suns, &BRIDGE, &Rival::ALL, Job::Rival)
+            .into_iter()
+            .chain(under(from_above, &ABOVE, &Rival::ALL, Job::Rival))
+            .collect(),
         cross(&DECK_SUNS[1..], &of_both(near_ways), Job::Near),
         cross(&ROWS, &of_both(row_ways), Job::DeviceRow),
         cross(&[true, false], &of_both(facing_ways), of_boxes),

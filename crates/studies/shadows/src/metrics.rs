@@ -61,6 +61,8 @@ terrafill_results::conditions! {
     "above the sea" = "pixels of casters alone are judged: the paper considers no other shadow";
     "in the range" = "pixels whose depth is in the range of interest alone are judged";
     "one range" = "of depth bounds: between the nearest and the farthest that a channel shows above the sea";
+    "bridge" = "from 30 m up on own ship: seven channels over 270°";
+    "aerial" = "from 300 m up, looking down by 31°";
     "near plane" = "the nearest depth that is drawn";
     "shadow pixels lost" = "pixels in shadow that a finite volume does not reach";
     "stencil writes" = "changes of the stencil by fragments of volumes";

@@ -15,6 +15,9 @@ const SECTOR_DEG: f64 = 1.0;
 /// ten-thousandth of a pixel.
 const RING_RATIO: f64 = 1.1;
 
+/// Nearest that the sea is looked for, of the eye's height.
+const NEAREST_SHARE: f64 = 1e-3;
+
 /// Sea and casters from the eye.
 pub(crate) fn surface(positions: Positions, view: &DeckCamera, mesh: &Mesh) -> SurfaceFrame {
     let (sea, sea_triangles) = sea(view);
@@ -36,7 +39,7 @@ pub(crate) fn surface(positions: Positions, view: &DeckCamera, mesh: &Mesh) -> S
     }
 }
 
-/// The sea in sight of a level camera, as rings about the foot of the eye.
+/// The sea in sight, as rings about the foot of the eye, which itself is out of sight.
 fn sea(view: &DeckCamera) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let centre = DVec3::NEG_Z * SEA_RADIUS_M;
     let up = (view.eye - centre).normalize();
@@ -45,8 +48,13 @@ fn sea(view: &DeckCamera) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let right = ahead.cross(up);
     let horizon_m = (2.0 * SEA_RADIUS_M * height_m).sqrt();
     let farther = |last: &f64| (*last < 1.2 * horizon_m).then_some(last * RING_RATIO);
-    let away_m: Vec<f64> = successors(Some(0.5 * height_m), farther).collect();
-    let half_deg = view.tan[0].atan().to_degrees() + SECTOR_DEG;
+    // The lower corners see nearest and, of a camera that looks down, farthest aside.
+    let corner = view.towards(1.0, -1.0);
+    let [along, aside] = [ahead, right].map(|axis| corner.dot(axis));
+    let nearest_m = height_m * along / -corner.dot(up).min(-f64::EPSILON);
+    let first_m = 0.5 * nearest_m.clamp(NEAREST_SHARE * height_m, height_m);
+    let away_m: Vec<f64> = successors(Some(first_m), farther).collect();
+    let half_deg = aside.atan2(along).to_degrees() + SECTOR_DEG;
     let next = |last: &f64| (*last < half_deg).then_some(last + SECTOR_DEG);
     let azimuths_deg: Vec<f64> = successors(Some(-half_deg), next).collect();
     let mut places = Vec::with_capacity(away_m.len() * azimuths_deg.len());

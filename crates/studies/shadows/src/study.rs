@@ -16,6 +16,7 @@ use crate::list::questions;
 use crate::maps::Map;
 use crate::metrics::{METRICS, SHADOW_MAP_CPU_MS, TIME};
 use crate::view::bridge;
+use crate::views::Place;
 use crate::work::{End, Scene, closed, port_m};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -164,6 +165,14 @@ impl Answering<'_> {
     /// What stands over the sea under a sun, cut below it.
     fn under(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
         self.of_end(sun, End::Sea)
+    }
+
+    /// The port from a place, as volumes of that end have it.
+    fn of_place(&mut self, place: Place, sun: [f64; 2], end: End) -> Result<&Scene, String> {
+        let (size, feet_m) = (self.question.size, end.feet_m());
+        self.scene(&format!("{} {sun:?} {feet_m:?}", place.name()), || {
+            Scene::standing(&closed(port_m()?)?, sun, vec![place.view(size)], feet_m)
+        })
     }
 
     /// The same as volumes of that end have it.

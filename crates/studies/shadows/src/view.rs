@@ -51,6 +51,15 @@ impl DeckCamera {
         }
     }
 
+    /// The same camera, looking down from the level.
+    pub(crate) fn turned_down(mut self, degrees: f64) -> Self {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let (forward, up) = (self.forward, self.up);
+        self.forward = forward * cos - up * sin;
+        self.up = up * cos + forward * sin;
+        self
+    }
+
     /// The same channel in a picture of another size: as wide, and as high as square pixels make it.
     pub(crate) fn sized(mut self, size: [u32; 2]) -> Self {
         self.tan[1] = self.tan[0] * f64::from(size[1]) / f64::from(size[0]);

@@ -15,7 +15,7 @@ terrafill_results::named! {
         UnderCrane = "under-crane",
         /// On deck where the shadow of a rail, 5 cm thick, runs through the near rectangle.
         QuayEdge = "quay-edge",
-        /// From a height, over everything.
+        /// From a height, looking down: the sea fills what the port leaves, and no horizon is in view.
         Aerial = "aerial",
         /// Where a crane's leg stands in the shadow of a rail, in the middle of a channel [`FINE_COLUMNS`] wide.
         RailShadow = "rail-shadow",
@@ -25,17 +25,20 @@ terrafill_results::named! {
 /// Pixels across a channel of which [`Place::RailShadow`] is the middle: a simulator's.
 const FINE_COLUMNS: f64 = 1024.0;
 
+/// How far [`Place::Aerial`] looks down, degrees: its middle meets the sea beside the dock.
+const AERIAL_DEG: f64 = 31.0;
+
 impl Place {
     /// Of which rules are asked.
     pub(crate) const ALL: [Self; 3] = [Self::UnderCrane, Self::QuayEdge, Self::Aerial];
 
-    fn view(self, size: [u32; 2]) -> DeckCamera {
+    pub(crate) fn view(self, size: [u32; 2]) -> DeckCamera {
         let (eye, azimuth_deg) = match self {
             Self::UnderCrane => (DVec3::new(0.0, -2.0, 8.9), 40.0),
             // The upper bar of the rail is 8.25 to 8.3 m high at y = −9.9, and no ship lies sunwards. Under a sun at
             // 10° from −60° its shadow is 7.98 to 8.02 m high where the eye is, and 7.87 to 7.92 m at the near rectangle.
             Self::QuayEdge => (DVec3::new(121.0, -8.55, 7.95), 90.0),
-            Self::Aerial => (DVec3::new(-400.0, -700.0, 250.0), 55.0),
+            Self::Aerial => (DVec3::new(-260.0, -450.0, 300.0), 60.0),
             // 70 cm before the face of a leg at y = −8.2. Under a sun at 10° from −60° the upper bar of the rail has its
             // shadow there from 7.899 to 7.959 m.
             Self::RailShadow => (DVec3::new(108.0, -8.9, 7.9), 90.0),
@@ -43,6 +46,7 @@ impl Place {
         let view = DeckCamera::level(eye, azimuth_deg, 0.5, size);
         match self {
             Self::RailShadow => view.middle_of(FINE_COLUMNS),
+            Self::Aerial => view.turned_down(AERIAL_DEG),
             _ => view,
         }
     }
@@ -90,6 +94,7 @@ impl Chooser {
 
 impl Scene {
     /// The port from there.
+    #[cfg(test)]
     pub(crate) fn of_place(place: Place, at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
         Self::of_port(at, vec![place.view(size)])
     }
@@ -132,6 +137,27 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::near::shadowed_share;
+    use crate::reference::{Light, Seen};
+
+    #[test]
+    fn the_view_from_a_height_looks_down_on_casters_sea_and_their_shadows() {
+        let scene = Scene::of_place(Place::Aerial, [10.0, -60.0], [64, 48]).expect("a port");
+        let (view, truth) = &scene.channels[0];
+        assert!((view.forward.z + AERIAL_DEG.to_radians().sin()).abs() < 1e-12);
+        assert!(view.right.cross(view.forward).distance(view.up) < 1e-12);
+        assert_eq!(truth.count(Light::Sky), 0, "no horizon");
+        let count = |is_it: fn(&Seen) -> bool| truth.seen.iter().filter(|seen| is_it(seen)).count();
+        let [sea, casters] = [
+            count(|seen| matches!(seen, Seen::Sea(_))),
+            count(|seen| matches!(seen, Seen::Triangle(..))),
+        ];
+        assert!(sea > 1_000 && casters > 300, "{sea} {casters}");
+        assert!(truth.count(Light::Shadow) > 200);
+        // Negative control: level, half of it is sky.
+        let level = DeckCamera::level(view.eye, 60.0, 0.5, [64, 48]);
+        let reference = Reference::new(scene.mesh(), scene.to_light);
+        assert!(reference.picture(&level).count(Light::Sky) > 1_000);
+    }
 
     #[test]
     fn a_rail_s_shadow_runs_through_the_near_rectangle_and_not_over_the_eye() {

@@ -118,5 +118,6 @@ pub(super) fn is_plain(case: &Case) -> bool {
 
 /// The same on wgpu, beside which shadow maps of a device stand.
 fn is_beside_maps(case: &Case) -> bool {
-    case.condition(QUESTION) == "devices" && case.condition(API) == "wgpu" && is_plain(case)
+    let is_own = case.condition(QUESTION) == "devices" && case.condition(VIEW).is_empty();
+    is_own && case.condition(API) == "wgpu" && is_plain(case)
 }

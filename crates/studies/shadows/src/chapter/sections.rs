@@ -66,8 +66,9 @@ fn uncounted(case: &Case) -> &str {
 }
 
 /// What tells ways of a device apart.
-pub(super) const DEVICE_KEYS: [ConditionKey; 8] = [
+pub(super) const DEVICE_KEYS: [ConditionKey; 9] = [
     SUN,
+    VIEW,
     API,
     EXTENT,
     RULE,
@@ -168,8 +169,8 @@ pub(super) const SECTIONS: [Section<'static>; 20] = [
     },
     section(
         ["views", "Other eyes"],
-        "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 250 m \
-             up. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
+        "Between the legs of a crane; on deck, where a rail's shadow runs through the near rectangle; and from 300 m \
+             up, looking down by 31°, without a horizon. Volumes are closed at the sea, and a rule is chosen for all or by a test.",
         &[SUN, VIEW, RULE],
         &[
             WRITES, MAX_COUNT, LIT_PX, DARK_PX, BAND_PX, EDGE_ON, UNDECIDED, SHADE_PX,
@@ -257,7 +258,7 @@ pub(super) const SECTIONS: [Section<'static>; 20] = [
         ["devices", "Drawn by devices"],
         "The same volumes drawn into a stencil by the executors that fill regions. Vertices come from the CPU, sea and \
              casters are a surface, and one colour covers the screen where the count is not 0. Times are those of the \
-             channel that has most shadow, all else is over all channels. Rows of one sun differ in one thing \
+             channel that has most shadow, all else is over all channels; rows \"aerial\" look down from 300 m instead. Rows of one sun differ in one thing \
              from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
              and what is no side collapses. With \"compute\" a compute shader writes indices and draw arguments. \
              With \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \
@@ -293,7 +294,7 @@ pub(super) const SECTIONS: [Section<'static>; 20] = [
              are handed the depth that the surface left, in the channel with most shadow; times are from there to an \
              answer a pixel. A place 1/256 of a pixel below a triangle counts as on it. They need no closed mesh, no \
              test of the near plane and no count. Volumes stand in \"Drawn by devices\".",
-        &[SUN, API, RIVAL],
+        &[SUN, VIEW, API, RIVAL],
         &[
             CPU_MS, GPU_MS, TREE_MS, LIT_PX, DARK_PX, BAND_PX, RIM_PX, SHADE_PX, BYTES, SUN_BYTES,
         ],

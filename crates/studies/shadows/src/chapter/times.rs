@@ -219,10 +219,13 @@ impl<'a> Own<'a> {
         (!anticipated.is_empty()).then(|| finding(claim.to_owned(), &anticipated, because))
     }
 
-    /// Volumes as the rows of an interface begin with them, under a sun.
-    fn plain(&self, sun: &str, api: &str) -> Option<&'a Case> {
+    /// Volumes as the rows of an interface begin with them, under a sun; the bridge's view has no name.
+    fn plain(&self, [sun, view]: [&str; 2], api: &str) -> Option<&'a Case> {
         let mut all = self.of_question("devices");
-        all.find(|case| case.condition(SUN) == sun && case.condition(API) == api && is_plain(case))
+        all.find(|case| {
+            let is_own = case.condition(SUN) == sun && case.condition(VIEW) == view;
+            is_own && case.condition(API) == api && is_plain(case)
+        })
     }
 
     /// Rivals' pixels, and their times beside those of volumes by the same interface.
@@ -237,7 +240,10 @@ impl<'a> Own<'a> {
         for name in names {
             let own = all.iter().filter(|case| case.condition(RIVAL) == name);
             let pair = |case: &&'a Case| {
-                let volumes = self.plain(case.condition(SUN), case.condition(API))?;
+                let volumes = self.plain(
+                    [SUN, VIEW].map(|key| case.condition(key)),
+                    case.condition(API),
+                )?;
                 Some([*case, volumes])
             };
             let pairs: Vec<[&Case; 2]> = own.filter_map(pair).collect();
@@ -272,7 +278,7 @@ impl<'a> Own<'a> {
             Some(Self::wrong_px(case)? + measured(case, SHADOW_BAND_PX)?)
         };
         let pair = |case: &'a Case| {
-            let volumes = self.plain(case.condition(SUN), "wgpu")?;
+            let volumes = self.plain([case.condition(SUN), ""], "wgpu")?;
             Some((all_wrong(case)? < all_wrong(volumes)?, [volumes, case]))
         };
         let pairs: Vec<_> = self.of_question("device-maps").filter_map(pair).collect();

@@ -10,7 +10,7 @@ use crate::job::{Job, Method, sun_name};
 use crate::metrics::*;
 use crate::near::EyeTest;
 use crate::outline::Way;
-use crate::views::Chooser;
+use crate::views::{Chooser, Eyes};
 use crate::way::{Counting, Positions};
 use crate::work::Scissor;
 use terrafill_casters::Policy;
@@ -42,6 +42,17 @@ fn counting(is_guarded: bool) -> Condition {
         "8 bits, wrapping"
     };
     is(COUNTING, name)
+}
+
+/// A sun, where the port is seen from if not the bridge, and what else there is.
+fn seen_under(
+    sun: [f64; 2],
+    eyes: Eyes,
+    others: impl IntoIterator<Item = Condition>,
+) -> Vec<Condition> {
+    let view = (eyes != Eyes::Bridge).then(|| is(VIEW, eyes.name()));
+    let own = std::iter::once(under(sun)).chain(view);
+    own.chain(others).collect()
 }
 
 /// Where not every pixel counts.
@@ -112,9 +123,9 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
                 Chooser::All(Rule::Pass) | Chooser::Test(EyeTest::Eye)
             ),
         ),
-        Job::Rival(sun, rival) => {
-            let conditions = vec![under(sun), by(rival.interface()), is(RIVAL, rival.name())];
-            ("rivals", conditions, false)
+        Job::Rival(sun, eyes, rival) => {
+            let named = [by(rival.interface()), is(RIVAL, rival.name())];
+            ("rivals", seen_under(sun, eyes, named), false)
         }
         Job::StencilStep(sun, step) => {
             let named = is(STEP, format!("{} {}", step.number, step.name));
@@ -155,13 +166,12 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(BOXES, boxes), by(way.interface), silhouette];
             ("facings", conditions, way.silhouettes.decides_by_corners())
         }
-        Job::Device(sun, way) => {
+        Job::Device(sun, eyes, way) => {
             let faces = match way.faces {
                 FacePasses::TwoSided => "two-sided",
                 FacePasses::TwoPass => "two-pass",
             };
-            let conditions = vec![
-                under(sun),
+            let named = [
                 by(way.interface),
                 is(EXTENT, way.end.name()),
                 is(RULE, way.rule_name()),
@@ -170,7 +180,7 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
                 is(DEPTH_BOUNDS, way.bounds_name()),
                 is(SILHOUETTE, way.silhouettes.name()),
             ];
-            ("devices", conditions, false)
+            ("devices", seen_under(sun, eyes, named), false)
         }
     }
 }

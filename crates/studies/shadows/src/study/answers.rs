@@ -138,8 +138,7 @@ impl Answering<'_> {
                 Ok(counted_verdict(scene, &drawn, counted))
             }
             Job::View(sun, place, chooser) => {
-                let make = || Scene::of_place(place, sun, size);
-                let scene = self.scene(place.name(), make)?;
+                let scene = self.of_place(place, sun, End::Sea)?;
                 let drawn = scene.drawn_chosen(chooser)?;
                 let mut verdict = drawn_verdict(scene, &drawn);
                 if chooser == Chooser::ALL[0] {

@@ -13,7 +13,7 @@ use crate::maps::{Bias, Frame};
 use crate::metrics::MISCOUNTED;
 use crate::rivals::MARGIN_PX;
 use crate::views::Eyes;
-use crate::work::{Pixels, Scene};
+use crate::work::{End, Pixels, Scene};
 use terrafill_casters::EdgeTable;
 use terrafill_results::{Status, Verdict};
 use terrafill_study::{Failure, Figures, size_name};
@@ -113,12 +113,14 @@ impl Answering<'_> {
         let timed_size = self.question.timed_size;
         let is_timed = self.cases[case].samples > 0;
         let (scene, way) = match job {
-            Job::Device(sun, way) | Job::Origin(sun, Eyes::Bridge, way) => {
+            Job::Device(sun, Eyes::Bridge, way) | Job::Origin(sun, Eyes::Bridge, way) => {
                 (self.of_end(sun, way.end)?, Some(way))
             }
+            Job::Device(sun, Eyes::At(place), way) => {
+                (self.of_place(place, sun, way.end)?, Some(way))
+            }
             Job::Origin(sun, Eyes::At(place), way) => {
-                let make = || Scene::of_place(place, sun, size);
-                (self.scene(place.name(), make)?, Some(way))
+                (self.of_place(place, sun, End::Sea)?, Some(way))
             }
             Job::StencilStep(sun, step) => (self.of_end(sun, step.way.end)?, Some(step.way)),
             Job::Facing(sun, is_edge_on, way) => {
@@ -136,12 +138,13 @@ impl Answering<'_> {
                 let make = || Scene::of_row(count, size);
                 (self.scene(&count.to_string(), make)?, Some(way))
             }
-            Job::Rival(sun, _) => (self.under(sun)?, None),
+            Job::Rival(sun, Eyes::Bridge, _) => (self.under(sun)?, None),
+            Job::Rival(sun, Eyes::At(place), _) => (self.of_place(place, sun, End::Sea)?, None),
             _ => return Err("no device draws it".to_owned().into()),
         };
         let draw = |scene: &Scene| match (way, job) {
             (Some(way), _) => scene.drawn_by(context.devices, way),
-            (None, Job::Rival(_, rival)) => scene.asked_by(context.devices, rival, MARGIN_PX),
+            (None, Job::Rival(_, _, rival)) => scene.asked_by(context.devices, rival, MARGIN_PX),
             (None, _) => Err("no device draws it".to_owned().into()),
         };
         let mut drawn = draw(scene)?;
