@@ -3,7 +3,7 @@
 //! the background is seen. Each pixel is held to its ray in `f64`.
 
 use crate::STUDY;
-use crate::error::of_frame;
+use crate::error::{of_frame, truths};
 use crate::list::{SurfaceRow, number};
 use crate::metrics::{self, *};
 use crate::sight::{Chosen, drawn_otherwise};
@@ -204,7 +204,7 @@ impl Shows for FilledPart<'_> {
     fn judge(&mut self, case: usize, drawn: Drawn) -> Result<Verdict, Failure> {
         let eye = self.eye();
         let Drawn { frame, is_filled } = drawn;
-        let errors = of_frame(&eye, &frame);
+        let errors = of_frame(&eye, &truths(&eye), &frame);
         let size = [eye.size.width, eye.size.height];
         let [otherwise, control] = judge(eye.size.width as usize, &errors.shown, &is_filled);
         let filled = is_filled.iter().filter(|is_filled| **is_filled).count();

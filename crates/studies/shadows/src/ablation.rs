@@ -76,6 +76,13 @@ pub(crate) fn steps(interface: Interface) -> Vec<StencilStep> {
     steps
 }
 
+/// All that can be drawn by every device: the step before depth bounds.
+pub(crate) fn optimised(interface: Interface) -> Option<DeviceWay> {
+    let steps = steps(interface).into_iter();
+    let mut without = steps.filter(|step| step.way.bounds == Bounds::Off);
+    without.next_back().map(|step| step.way)
+}
+
 impl Scene {
     /// Every triangle that casts a volume of its own.
     pub(crate) fn volume_of_each_triangle(&self, end: End) -> Result<Volume, String> {

@@ -45,8 +45,16 @@ pub(crate) struct DeviceDrawn {
     pub(crate) volume_triangles: usize,
     /// Of all channels' masks.
     pub(crate) mask_hash: String,
-    /// The channel with the most shadow, ready to be timed, and its mask.
-    pub(crate) darkest: Option<(Box<dyn Draws>, Vec<bool>)>,
+    /// Channels that are kept, ready to be timed, and their masks.
+    pub(crate) kept: Vec<(Box<dyn Draws>, Vec<bool>)>,
+}
+
+/// Which channels stay open: each holds render targets of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// The one with the most shadow.
+    Darkest,
+    All,
 }
 
 impl Scene {
@@ -55,6 +63,7 @@ impl Scene {
         &self,
         devices: &Devices,
         way: DeviceWay,
+        kept: Kept,
     ) -> Result<DeviceDrawn, Failure> {
         let volume = match way.silhouettes {
             Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
@@ -85,7 +94,7 @@ impl Scene {
                 draws: self.open_with(devices, way, view, loadable, true)?,
             })
         };
-        let drawn = self.draw_channels(Some(&volume), open)?;
+        let drawn = self.draw_channels(Some(&volume), kept, open)?;
         Ok(DeviceDrawn {
             volume_triangles: volume.triangles.len(),
             ..drawn
@@ -98,6 +107,7 @@ impl Scene {
     pub(crate) fn draw_channels(
         &self,
         volume: Option<&Volume>,
+        kept: Kept,
         open: impl Fn(&DeckCamera, &Reference<'_>) -> Result<Channel, Failure>,
     ) -> Result<DeviceDrawn, Failure> {
         let darkest = self.darkest_channel()?;
@@ -137,7 +147,9 @@ impl Scene {
             all.extend(pixels().map(|(dark, light)| *dark && *light != Light::Sky));
             if at == darkest {
                 drawn.build_ms = channel.build_ms;
-                drawn.darkest = Some((channel.draws, mask));
+            }
+            if at == darkest || kept == Kept::All {
+                drawn.kept.push((channel.draws, mask));
             }
         }
         drawn.mask_hash = hash(&all);

@@ -29,6 +29,14 @@ fn colour(truth: &Truth, at: usize, is_dark: Option<bool>) -> [u8; 3] {
     }
 }
 
+/// Every pixel's colour, row by row from the top.
+pub(crate) fn picture(truth: &Truth, mask: Option<&[bool]>) -> Vec<[u8; 3]> {
+    let pixels = 0..truth.seen.len();
+    pixels
+        .map(|at| colour(truth, at, mask.map(|mask| mask[at])))
+        .collect()
+}
+
 /// Writes a picture under `folder/images/` and returns its path relative to `folder`.
 pub(crate) fn write(
     folder: &Path,
@@ -39,8 +47,8 @@ pub(crate) fn write(
     let relative = format!("images/shadows-{name}.png");
     let path = folder.join(&relative);
     let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let pixels = (0..truth.seen.len()).flat_map(|at| colour(truth, at, mask.map(|mask| mask[at])));
-    let picture = RgbImage::from_raw(truth.size[0], truth.size[1], pixels.collect());
+    let pixels = picture(truth, mask).concat();
+    let picture = RgbImage::from_raw(truth.size[0], truth.size[1], pixels);
     let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
     std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
     let saved = picture.save_with_format(&path, ImageFormat::Png);

@@ -4,6 +4,7 @@
 use crate::ablation::StencilStep;
 use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
+use crate::device::Interface;
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
 use crate::near::EyeTest;
@@ -50,6 +51,8 @@ pub(crate) enum Job {
     DeviceMap([f64; 2], f64, Bias),
     Rival([f64; 2], Eyes, Rival),
     View([f64; 2], Place, Chooser),
+    /// A frame of all channels.
+    Harbour([f64; 2], Eyes, Interface),
     StencilStep([f64; 2], StencilStep),
 }
 
@@ -58,8 +61,15 @@ impl Job {
     ///
     /// - `checked`: of all channels
     /// - `timed`: of the one that is timed and kept as a picture
-    pub(crate) fn sizes(self, checked: [u32; 2], timed: [u32; 2]) -> Vec<(ConditionKey, [u32; 2])> {
+    /// - `frame`: of each channel of a frame
+    pub(crate) fn sizes(
+        self,
+        checked: [u32; 2],
+        timed: [u32; 2],
+        frame: [u32; 2],
+    ) -> Vec<(ConditionKey, [u32; 2])> {
         match self {
+            Self::Harbour(..) => vec![(SIZE_PX, frame)],
             Self::Model | Self::Outline(..) | Self::Silhouette(..) => Vec::new(),
             Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
             job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],

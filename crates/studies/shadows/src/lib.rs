@@ -27,6 +27,7 @@ mod reference;
 mod rivals;
 mod scissor;
 mod sea;
+mod shading;
 mod silhouettes;
 mod source;
 mod study;

@@ -42,6 +42,22 @@ const QUICK_SUNS: usize = 4;
 /// Suns of devices; a quick run has the first.
 const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
 const QUICK_DEVICE_SUNS: usize = 1;
+/// Suns of frames that are looked at: a quick run has the first.
+const HARBOUR_SUNS: [[f64; 2]; 5] = [
+    [10.0, -60.0],
+    [60.0, -60.0],
+    [30.0, -60.0],
+    [5.0, -60.0],
+    [1.0, -60.0],
+];
+const QUICK_HARBOUR_SUNS: usize = 1;
+/// Frames of a sun: all channels of the bridge, and the one view from above.
+const FRAMES: [(Eyes, Interface); 4] = [
+    (Eyes::Bridge, Interface::Wgpu),
+    (Eyes::Bridge, Interface::Vulkan),
+    (Eyes::At(Place::Aerial), Interface::Wgpu),
+    (Eyes::At(Place::Aerial), Interface::Vulkan),
+];
 /// Sun of facings.
 const FACING_SUN: [f64; 2] = [30.0, -60.0];
 /// Distances of an origin from the port, m: the last is that of the earth's centre.
@@ -260,6 +276,7 @@ pub(crate) fn questions(
         None => &MESHES[part(QUICK_MESHES, MESHES.len())],
     };
     let device_suns = &DEVICE_SUNS[part(QUICK_DEVICE_SUNS, DEVICE_SUNS.len())];
+    let harbour_suns = &HARBOUR_SUNS[part(QUICK_HARBOUR_SUNS, HARBOUR_SUNS.len())];
     let map_suns = &MAP_SUNS[part(QUICK_MAP_SUNS, MAP_SUNS.len())];
     let texels = &TEXELS_M[part(QUICK_TEXELS, TEXELS_M.len())];
     // A user's model is seen from where it is looked at.
@@ -281,8 +298,10 @@ pub(crate) fn questions(
     let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let of_bounds = |sun, rule, (ranges, counted)| Job::Bounds(sun, rule, ranges, counted);
-    let all: [Vec<Job>; 20] = [
+    let of_harbour = |sun, (eyes, interface)| Job::Harbour(sun, eyes, interface);
+    let all: [Vec<Job>; 21] = [
         vec![Job::Model],
+        cross(harbour_suns, &FRAMES, of_harbour),
         under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
         updates.collect(),
         cross(&Place::ALL, &Chooser::ALL, of_place),

@@ -15,7 +15,7 @@ use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
 use crate::device::Interface;
-use crate::drawing::DeviceDrawn;
+use crate::drawing::{DeviceDrawn, Kept};
 use crate::view::DeckCamera;
 use crate::way::{Positions, count};
 use crate::work::Scene;
@@ -54,7 +54,7 @@ impl Scene {
         rival: Rival,
         margin_px: f64,
     ) -> Result<DeviceDrawn, Failure> {
-        self.draw_channels(None, |view, _| {
+        self.draw_channels(None, Kept::Darkest, |view, _| {
             let casting = self.casting(view, rival, margin_px);
             self.seen_by(Positions::Eye, view, |seen| {
                 Ok(match rival {

@@ -2,6 +2,7 @@
 //! The cases, by question: each question is a group.
 
 mod answers;
+mod harbour;
 mod meshes;
 mod on_devices;
 
@@ -31,6 +32,10 @@ use terrafill_study::{
 /// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
 const QUICK_SIZE: [u32; 2] = [128, 96];
 const SIZE: [u32; 2] = [200, 150];
+/// The same of each of seven channels of a frame, unless a size is named: the paper names none.
+const FRAME_SIZE: [u32; 2] = [512, 384];
+/// Setting by which whoever renders keeps pictures.
+const PICTURES: &str = "pictures";
 
 /// Scenes kept: casters whole and cut, of one sun.
 const SCENES: usize = 3;
@@ -59,11 +64,17 @@ impl Study for ShadowsStudy {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
         let timed_size = request.size_or(QUICK_SIZE);
+        let frame_size = match (is_quick, request.names_size) {
+            (_, true) => request.size,
+            (true, false) => QUICK_SIZE,
+            (false, false) => FRAME_SIZE,
+        };
+        let loses_nothing = request.settings.contains_key(PICTURES);
         let brought = brought(request)?.map(Rc::new);
         let groups = questions(request.depth, request.samples, brought.as_deref()).into_iter();
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
             let sized = |(job, mut case): (Job, PlannedCase)| {
-                let sizes = job.sizes(size, timed_size).into_iter();
+                let sizes = job.sizes(size, timed_size, frame_size).into_iter();
                 let sizes = sizes.map(|(key, size)| (key.into(), size_name(size)));
                 case.id.conditions.extend(sizes);
                 (job, case)
@@ -78,6 +89,8 @@ impl Study for ShadowsStudy {
                     jobs,
                     size,
                     timed_size,
+                    frame_size,
+                    loses_nothing,
                     brought: brought.clone(),
                 },
                 open: |group, context| {
@@ -124,6 +137,10 @@ struct Question {
     size: [u32; 2],
     /// Of what is timed, pixels.
     timed_size: [u32; 2],
+    /// Of each channel of a frame, pixels.
+    frame_size: [u32; 2],
+    /// Whether pictures for people are kept without loss.
+    loses_nothing: bool,
     /// Instead of the port.
     brought: Option<Rc<Brought>>,
 }
@@ -216,6 +233,7 @@ impl Session for Answering<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         match self.question.jobs[case] {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
+            Job::Harbour(sun, eyes, interface) => self.harbour(sun, eyes, interface),
             job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
             job if job.is_of_device() => self.device(case, job),
             job => self.answer(job),

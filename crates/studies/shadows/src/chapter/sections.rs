@@ -104,7 +104,18 @@ const fn section(
     }
 }
 
-pub(super) const SECTIONS: [Section<'static>; 20] = [
+pub(super) const SECTIONS: [Section<'static>; 21] = [
+    Section {
+        pictures: &[("map", "by day"), ("image", "as drawn, wrong pixels red")],
+        ..section(
+            ["harbour", "The harbour by day"],
+            "The port in pictures for people, with the shadows that a device drew with every optimisation but depth bounds. \
+                 \"Bridge\" is one strip of all seven channels over 270°, \"aerial\" looks down. Every pixel of every channel \
+                 is held against rays at that size. In shadow a face keeps 60 % of its light; the paper does not say how much.",
+            &[SUN, VIEW, API, SIZE_PX],
+            &[LIT_PX, DARK_PX, BAND_PX, RIM_PX, SHADE_PX],
+        )
+    },
     section(
         ["model", "The model"],
         "A model from a file over the sea, its middle at the origin, seen from four sides, above its top. What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \

@@ -107,7 +107,9 @@ fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_
         // wall's cap.
         assert_eq!([drawn, culled], [0, 1], "{}", interface.name());
         // In channel 3 the wall is dark, and a side of the volume begins at the rim: no surface is there to be drawn.
-        let all = scene.drawn_by(&Devices::default(), way).expect("drawn");
+        let all = scene
+            .drawn_by(&Devices::default(), way, Kept::Darkest)
+            .expect("drawn");
         assert_eq!((all.wrong.outside(), all.wrong.at_rims), (0, 1));
     }
 }

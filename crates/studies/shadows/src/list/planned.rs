@@ -115,6 +115,10 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(TEXEL_M, texel), is(BIAS, bias.name())];
             (question, conditions, true)
         }
+        Job::Harbour(sun, eyes, interface) => {
+            let conditions = vec![under(sun), is(VIEW, eyes.name()), by(interface)];
+            ("harbour", conditions, false)
+        }
         Job::View(sun, place, chooser) => (
             "views",
             vec![under(sun), is(VIEW, place.name()), is(RULE, chooser.name())],

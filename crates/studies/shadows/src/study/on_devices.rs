@@ -6,7 +6,7 @@ use super::{Answering, MAX_DIFFERS};
 use crate::ablation::StencilStep;
 use crate::count::Wrong;
 use crate::device_map::{DeviceMap, differing};
-use crate::drawing::DeviceDrawn;
+use crate::drawing::{DeviceDrawn, Kept};
 use crate::images;
 use crate::job::Job;
 use crate::maps::{Bias, Frame};
@@ -18,7 +18,7 @@ use terrafill_casters::EdgeTable;
 use terrafill_results::{Status, Verdict};
 use terrafill_study::{Failure, Figures, size_name};
 
-fn device_figures(drawn: &DeviceDrawn, pixels: Pixels, is_of_volumes: bool) -> Figures {
+pub(super) fn device_figures(drawn: &DeviceDrawn, pixels: Pixels, is_of_volumes: bool) -> Figures {
     let mut figures = vec![
         ("shadow_rim_px", drawn.wrong.at_rims as f64),
         ("shadow_bytes", drawn.bytes[0] as f64),
@@ -143,7 +143,7 @@ impl Answering<'_> {
             _ => return Err("no device draws it".to_owned().into()),
         };
         let draw = |scene: &Scene| match (way, job) {
-            (Some(way), _) => scene.drawn_by(context.devices, way),
+            (Some(way), _) => scene.drawn_by(context.devices, way, Kept::Darkest),
             (None, Job::Rival(_, _, rival)) => scene.asked_by(context.devices, rival, MARGIN_PX),
             (None, _) => Err("no device draws it".to_owned().into()),
         };
@@ -164,15 +164,12 @@ impl Answering<'_> {
         }
         let mut shown = scene;
         if let Some(timed) = scene.timed_at(timed_size).filter(|_| is_timed) {
-            drawn.darkest = None;
+            drawn.kept.clear();
             let large = draw(timed)?;
             held_as_timed(&mut verdict, large.wrong, timed_size);
-            (shown, drawn.darkest) = (timed, large.darkest);
+            (shown, drawn.kept) = (timed, large.kept);
         }
-        let (channel, mask) = drawn
-            .darkest
-            .take()
-            .ok_or_else(|| "no channel".to_owned())?;
+        let (channel, mask) = drawn.kept.pop().ok_or_else(|| "no channel".to_owned())?;
         let (_, truth) = shown.darkest()?;
         let name = format!("{question}-{case}");
         let path = images::write(context.folder, &name, truth, Some(&mask))?;

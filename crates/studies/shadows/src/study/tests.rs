@@ -43,6 +43,8 @@ fn verdicts_of(
     let group = groups.find(|group| group.name() == name);
     let group = group.expect("such a group");
     let folder = tempfile::tempdir().expect("a folder");
+    // As a run makes it.
+    std::fs::create_dir(folder.path().join("images")).expect("a folder");
     let devices = Rc::new(Devices::default());
     let context = Context {
         devices: &devices,
@@ -198,6 +200,35 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
         assert!(hashes.len() >= 2, "{name}");
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
     }
+}
+
+#[test]
+fn a_frame_of_the_harbour_is_right_in_all_its_channels_and_the_same_by_both_interfaces() {
+    let small = Request {
+        size: [64, 48],
+        names_size: true,
+        ..request(Depth::Quick)
+    };
+    let (all, pictures) = verdicts_of(&small, "harbour", |_| true);
+    assert_eq!(all.len(), 4);
+    let mut hashes: BTreeMap<bool, Vec<String>> = BTreeMap::new();
+    for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
+        assert_is(true, name, verdict);
+        let channels = if name.contains("/bridge/") { 7 } else { 1 };
+        assert_eq!(pictures[name], (channels * 64, 48), "{name}");
+        assert!(figure(verdict, "shadow_px") > 200.0, "{name}");
+        let has_map = verdict.notes.iter().any(|(note, _)| *note == "map");
+        assert_eq!(has_map, name.contains("/wgpu"), "{name}");
+        hashes
+            .entry(channels == 7)
+            .or_default()
+            .push(mask_hash(verdict));
+    }
+    assert!(
+        hashes
+            .values()
+            .all(|own| own.iter().all(|hash| *hash == own[0]))
+    );
 }
 
 #[test]

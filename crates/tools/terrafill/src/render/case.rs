@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The picture of a study's case, `terrafill render globes/layers --view night-edge`: drawn and judged as a run does.
 
-use crate::arguments::RenderArguments;
+use crate::arguments::{RenderArguments, Style};
 use crate::data::data_dirs;
 use crate::draft;
 use crate::outcome::Failure;
@@ -124,7 +124,8 @@ impl<'a> Asked<'a> {
                 let verdict = session.verify(index);
                 let verdict = verdict.or_else(terrafill_study::Failure::verdict);
                 let verdict = verdict.map_err(failed)?;
-                let Some(path) = picture(&verdict, arguments.picture.as_deref()) else {
+                let Some(path) = picture(&verdict, arguments.picture.as_deref(), arguments.style)
+                else {
                     reason = match (&arguments.picture, verdict.reason.is_empty()) {
                         (Some(name), true) => {
                             let names = choices(name, pictures(&verdict).map(|(name, _)| name));
@@ -225,8 +226,8 @@ fn pictures(verdict: &Verdict) -> impl Iterator<Item = (&str, &str)> {
 }
 
 /// The picture of this name that a verdict has, relative to the folder; without one the first: what is seen before what
-/// it is held against.
-fn picture<'a>(verdict: &'a Verdict, name: Option<&str>) -> Option<&'a str> {
+/// it is held against, and for people that which is made for them, where there is one.
+fn picture<'a>(verdict: &'a Verdict, name: Option<&str>, style: Style) -> Option<&'a str> {
     let of = |name: &str| {
         let named = pictures(verdict).find(|(note, _)| *note == name);
         named.map(|(_, path)| path)
@@ -234,8 +235,10 @@ fn picture<'a>(verdict: &'a Verdict, name: Option<&str>) -> Option<&'a str> {
     if let Some(name) = name {
         return of(name);
     }
+    let for_people = of("map").filter(|_| style == Style::Map);
+    let judged = || of("picture").or_else(|| of("image"));
     let any = || pictures(verdict).map(|(_, path)| path).next();
-    of("picture").or_else(|| of("image")).or_else(any)
+    for_people.or_else(judged).or_else(any)
 }
 
 fn encoded(path: &Path, format: ImageFormat) -> Result<Vec<u8>, Failure> {
@@ -287,6 +290,32 @@ mod tests {
     }
 
     #[test]
+    fn a_map_of_a_case_is_its_picture_for_people_where_it_has_one() {
+        let of = |notes: &[&'static str], style| {
+            let notes = notes
+                .iter()
+                .map(|note| (*note, format!("images/{note}.png")));
+            let verdict = Verdict {
+                notes: notes.collect(),
+                ..Verdict::default()
+            };
+            picture(&verdict, None, style).map(str::to_owned)
+        };
+        let both = ["image", "map"];
+        assert_eq!(of(&both, Style::Map).as_deref(), Some("images/map.png"));
+        // Negative controls: the judged picture, and a case that has no other.
+        assert_eq!(
+            of(&both, Style::Judged).as_deref(),
+            Some("images/image.png")
+        );
+        assert_eq!(
+            of(&["image"], Style::Map).as_deref(),
+            Some("images/image.png")
+        );
+        assert_eq!(of(&[], Style::Map), None);
+    }
+
+    #[test]
     fn a_case_is_asked_for_by_values_views_and_conditions() {
         let conditions = [
             ("part", "layers"),
@@ -328,10 +357,11 @@ mod tests {
             ],
             ..Verdict::default()
         };
-        assert_eq!(picture(&verdict, None), Some("images/b.png"));
-        assert_eq!(picture(&verdict, Some("before")), Some("images/a.png"));
+        let named = |name| picture(&verdict, name, Style::Judged);
+        assert_eq!(named(None), Some("images/b.png"));
+        assert_eq!(named(Some("before")), Some("images/a.png"));
         // Negative controls: what is no picture, and a name that there is not.
-        assert_eq!(picture(&verdict, Some("bytes")), None);
-        assert_eq!(picture(&verdict, Some("tree")), None);
+        assert_eq!(named(Some("bytes")), None);
+        assert_eq!(named(Some("tree")), None);
     }
 }

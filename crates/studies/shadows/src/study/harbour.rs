@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Frames of the harbour: every channel drawn by a device, held against rays, and painted for people.
+
+use super::Answering;
+use super::answers::verdict_of;
+use super::on_devices::device_figures;
+use crate::ablation::optimised;
+use crate::device::Interface;
+use crate::drawing::Kept;
+use crate::images;
+use crate::job::sun_name;
+use crate::shading::{Painter, strip};
+use crate::view::bridge;
+use crate::views::Eyes;
+use crate::work::{Scene, closed, port_m};
+use terrafill_results::Verdict;
+use terrafill_study::{Failure, file_stem, write_photo, write_rgb};
+
+impl Answering<'_> {
+    /// Channels of a frame, from the left.
+    fn frame(&mut self, sun: [f64; 2], eyes: Eyes, feet_m: Option<f64>) -> Result<&Scene, String> {
+        let size = self.question.frame_size;
+        let name = format!("{} {sun:?} {feet_m:?} {size:?}", eyes.name());
+        self.scene(&name, || {
+            let views = match eyes {
+                // Azimuths grow to the left.
+                Eyes::Bridge => bridge(size).into_iter().rev().collect(),
+                Eyes::At(place) => vec![place.view(size)],
+            };
+            Scene::standing(&closed(port_m()?)?, sun, views, feet_m)
+        })
+    }
+
+    /// All channels as a device draws them, and a strip of them for people.
+    pub(super) fn harbour(
+        &mut self,
+        sun: [f64; 2],
+        eyes: Eyes,
+        interface: Interface,
+    ) -> Result<Verdict, Failure> {
+        let way = optimised(interface).ok_or_else(|| "no optimisation".to_owned())?;
+        let (context, loses_nothing) = (self.context, self.question.loses_nothing);
+        let size = self.question.frame_size;
+        let scene = self.frame(sun, eyes, way.end.feet_m())?;
+        let drawn = scene.drawn_by(context.devices, way, Kept::All)?;
+        let figures = device_figures(&drawn, scene.pixels(), true);
+        let mut verdict = verdict_of(drawn.wrong, figures);
+        let painter = Painter::new(scene);
+        let channels = || scene.channels.iter().zip(&drawn.kept);
+        let by_day =
+            channels().map(|((view, truth), (_, mask))| painter.picture(view, truth, mask));
+        let judged = channels().map(|((_, truth), (_, mask))| images::picture(truth, Some(mask)));
+        let by_day = strip(&by_day.collect::<Vec<_>>(), size);
+        let judged = strip(&judged.collect::<Vec<_>>(), size);
+        let count = u32::try_from(scene.channels.len()).unwrap_or(u32::MAX);
+        let size = [size[0] * count, size[1]];
+        let [sun, view, api] = [
+            sun_name(sun),
+            eyes.name().to_owned(),
+            interface.name().to_owned(),
+        ];
+        let name = file_stem(&format!("shadows-harbour-{view}-{sun}-{api}"));
+        let path = write_rgb(context.folder, &name, size, &judged)?;
+        verdict.notes.push(("image", path));
+        // The same by every interface.
+        if interface == Interface::Wgpu {
+            let write = if loses_nothing {
+                write_rgb
+            } else {
+                write_photo
+            };
+            let path = write(context.folder, &format!("{name}-by-day"), size, &by_day)?;
+            verdict.notes.push(("map", path));
+        }
+        verdict.notes.push(("mask_hash", drawn.mask_hash));
+        Ok(verdict)
+    }
+}
