@@ -59,7 +59,8 @@ impl Bound {
     }
 
     /// Of an interval; without one nothing can be told.
-    pub(crate) fn standing(self, interval: Option<[f64; 2]>) -> Standing {
+    #[must_use]
+    pub fn standing(self, interval: Option<[f64; 2]>) -> Standing {
         let Some(ends) = interval else {
             return Standing::CannotTell;
         };

@@ -113,14 +113,17 @@ impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
-        self.executor.targets().borrow_mut().draw_surface()?;
+        let surface_gpu_ms = self.executor.targets().borrow_mut().draw_surface()?;
         let watch = CpuStopwatch::start();
         self.retile()?;
         let (cpu_ms, wall_ms) = match self.retile {
             Some(_) => (watch.cpu_ms(), watch.wall_ms()),
             None => (0.0, 0.0),
         };
-        let mut times = self.executor.time(&mut self.volumes)?;
+        let mut times = FrameTimes {
+            surface_gpu_ms,
+            ..self.executor.time(&mut self.volumes)?
+        };
         times.fill_cpu_ms += cpu_ms;
         times.fill_wall_ms += wall_ms;
         Ok(times)

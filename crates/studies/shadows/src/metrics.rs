@@ -81,6 +81,21 @@ terrafill_results::metrics! {
     )
     .covering(Scope::FRAME);
     FILL_GPU = Metric::time_ms("shadow_fill_gpu_ms", "GPU time of the same.").covering(Scope::DEVICE);
+    FRAME_WALL = Metric::time_ms(
+        "shadow_frame_wall_ms",
+        "Wall clock of a frame of all channels: surface, volumes and cover of each, one after the other, each waited for. Volumes are there already. 1,000 over it is frames a second.",
+    )
+    .covering(Scope::FRAME);
+    FRAME_CPU = Metric::time_ms(
+        "shadow_frame_cpu_ms",
+        "Process CPU time of the same.",
+    )
+    .covering(Scope::FRAME);
+    FRAME_GPU = Metric::time_ms(
+        "shadow_frame_gpu_ms",
+        "GPU time of the same: passes of surface and shadows, summed over all channels.",
+    )
+    .covering(Scope::DEVICE);
     SHADOW_VOLUMES_CPU_MS = Metric::time_ms(
         "shadow_volumes_cpu_ms",
         "Process CPU time of finding the volumes of all casters for a frame; none where they are kept.",

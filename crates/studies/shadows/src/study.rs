@@ -102,6 +102,7 @@ impl Study for ShadowsStudy {
                         eyes: None,
                         meshes: Vec::new(),
                         opened: BTreeMap::new(),
+                        frames: BTreeMap::new(),
                         edges: None,
                         map: None,
                     }))
@@ -155,6 +156,8 @@ struct Answering<'a> {
     meshes: Vec<Ready>,
     /// By case: what a device drew.
     opened: BTreeMap<usize, Box<dyn Draws>>,
+    /// The same of frames: each of their channels.
+    frames: BTreeMap<usize, Vec<Box<dyn Draws>>>,
     /// Of a scene by name, for silhouettes that are found each frame.
     edges: Option<(String, EdgeTable)>,
     /// The last one, of a sun, a size of texels and whether it is timed: it may fill half of a device.
@@ -233,7 +236,7 @@ impl Session for Answering<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
         match self.question.jobs[case] {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
-            Job::Harbour(sun, eyes, interface) => self.harbour(sun, eyes, interface),
+            Job::Harbour(sun, eyes, interface) => self.harbour(case, sun, eyes, interface),
             job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
             job if job.is_of_device() => self.device(case, job),
             job => self.answer(job),
@@ -267,6 +270,7 @@ impl Session for Answering<'_> {
                     Ok(scene.asked(kept.insert(map)))
                 })
             }
+            Job::Harbour(..) => self.frame_times(case),
             job => {
                 let found_ms = match job {
                     Job::StencilStep(sun, step) => self.volumes_ms(sun, step)?,

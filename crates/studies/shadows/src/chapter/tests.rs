@@ -328,3 +328,25 @@ fn a_count_of_no_fragments_where_pixels_are_in_shadow_is_an_empty_cell_with_its_
     assert_eq!(cell(22.0, 3_000.0, "").0, "22.0");
     assert!(cell(0.0, 0.0, "").0.contains('0'));
 }
+
+#[test]
+fn a_frame_is_within_a_budget_where_its_interval_is() {
+    let standings = |ms: f64, processes: usize| {
+        let mut run = MadeUpRun::default();
+        let conditions = [
+            ("question", "harbour"),
+            ("view", "bridge"),
+            ("sun", "10°"),
+            ("api", "wgpu"),
+        ];
+        let case = run.case(case_id(crate::STUDY, "a", &conditions));
+        case.timed(crate::metrics::FRAME_WALL, &vec![ms; processes]);
+        ["28.6 ms", "41.7 ms"].map(|of| finding(&run, of))
+    };
+    use Standing::{CannotTell, DoesNotHold, Holds};
+    assert_eq!(standings(20.0, 7), [Some(Holds); 2]);
+    assert_eq!(standings(30.0, 7), [Some(DoesNotHold), Some(Holds)]);
+    // Negative controls: over both, and one process, which has no interval.
+    assert_eq!(standings(50.0, 7), [Some(DoesNotHold); 2]);
+    assert_eq!(standings(20.0, 1), [Some(CannotTell); 2]);
+}

@@ -9,12 +9,14 @@ use crate::device::Interface;
 use crate::drawing::Kept;
 use crate::images;
 use crate::job::sun_name;
+use crate::metrics::{FRAME_CPU, FRAME_GPU, FRAME_WALL};
 use crate::shading::{Painter, strip};
 use crate::view::bridge;
 use crate::views::Eyes;
 use crate::work::{Scene, closed, port_m};
+use terrafill_contract::CpuStopwatch;
 use terrafill_results::Verdict;
-use terrafill_study::{Failure, file_stem, write_photo, write_rgb};
+use terrafill_study::{Failure, Figures, file_stem, verified, write_photo, write_rgb};
 
 impl Answering<'_> {
     /// Channels of a frame, from the left.
@@ -34,6 +36,7 @@ impl Answering<'_> {
     /// All channels as a device draws them, and a strip of them for people.
     pub(super) fn harbour(
         &mut self,
+        case: usize,
         sun: [f64; 2],
         eyes: Eyes,
         interface: Interface,
@@ -73,6 +76,24 @@ impl Answering<'_> {
             verdict.notes.push(("map", path));
         }
         verdict.notes.push(("mask_hash", drawn.mask_hash));
+        let channels = drawn.kept.into_iter().map(|(draws, _)| draws);
+        self.frames.insert(case, channels.collect());
         Ok(verdict)
+    }
+
+    /// All channels once, one after the other.
+    pub(super) fn frame_times(&mut self, case: usize) -> Result<Figures, Failure> {
+        let channels = verified(&mut self.frames, case)?;
+        let watch = CpuStopwatch::start();
+        let times: Result<Vec<_>, _> = channels.iter_mut().map(|draws| draws.time()).collect();
+        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let times = times?;
+        let of_device = times
+            .iter()
+            .map(|times| Some(times.surface_gpu_ms? + times.fill_gpu_ms?));
+        let gpu_ms: Option<f64> = of_device.sum();
+        let mut values = vec![(FRAME_WALL.name, wall_ms), (FRAME_CPU.name, cpu_ms)];
+        values.extend(gpu_ms.map(|ms| (FRAME_GPU.name, ms)));
+        Ok(values)
     }
 }

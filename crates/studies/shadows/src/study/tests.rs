@@ -232,6 +232,41 @@ fn a_frame_of_the_harbour_is_right_in_all_its_channels_and_the_same_by_both_inte
 }
 
 #[test]
+fn a_frame_is_timed_over_all_its_channels_once_it_was_verified() {
+    let small = Request {
+        size: [32, 24],
+        names_size: true,
+        ..request(Depth::Quick)
+    };
+    let planned = ShadowsStudy.plan(&small).expect("planned");
+    let mut groups = planned.groups.iter();
+    let group = groups.find(|group| group.name() == "shadows/harbour");
+    let group = group.expect("such a group");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("images")).expect("a folder");
+    let devices = Rc::new(Devices::default());
+    let context = Context {
+        devices: &devices,
+        folder: folder.path(),
+    };
+    let mut session = group.open(context).expect("opens");
+    let verdict = session.verify(0).or_else(Failure::verdict);
+    let verdict = verdict.expect("a verdict");
+    if !is_drawn("harbour", &verdict, false) {
+        return;
+    }
+    let figures = session.time(0).expect("verified");
+    let of = |metric: &str| figures.iter().find(|(name, _)| *name == metric);
+    let [wall, cpu] = ["shadow_frame_wall_ms", "shadow_frame_cpu_ms"].map(of);
+    assert!(
+        wall.is_some_and(|(_, ms)| *ms > 0.0) && cpu.is_some(),
+        "{figures:?}"
+    );
+    // Negative control: what was not drawn has no time.
+    assert!(session.time(1).is_err());
+}
+
+#[test]
 fn emulated_depth_bounds_save_what_they_are_for() {
     let fragments = |how: &str| {
         let way = format!("10° from -60°/wgpu/sea-closed/z-fail/two-sided/off/{how}/adjacency");
