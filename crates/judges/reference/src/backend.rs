@@ -114,7 +114,7 @@ impl ReferenceBackend {
         if self.is_on_body {
             SurfaceTriangles::of_body(&input.scene.body, input.camera.eye_ecef)
         } else {
-            SurfaceTriangles::new(&input.surface)
+            SurfaceTriangles::in_picture(&input.surface, &input.camera, input.size)
         }
     }
 

@@ -98,7 +98,7 @@ impl MapPicture {
         let scene = &input.scene;
         let map = MapView {
             input,
-            surface: SurfaceTriangles::new(&input.surface),
+            surface: SurfaceTriangles::in_picture(&input.surface, &input.camera, input.size),
             locator: Locator::new(&scene.regions, scene.edge_rule, &scene.body)?,
             eye: scene.body.ecef_to_geodetic(input.camera.eye_ecef),
         };

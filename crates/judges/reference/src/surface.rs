@@ -15,6 +15,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 use terrafill_core::Ellipsoid;
+use terrafill_scene::{Camera, ImageSize};
 use terrafill_surface::SurfaceFrame;
 
 /// Triangles in a leaf.
@@ -22,6 +23,10 @@ const LEAF_SIZE: usize = 4;
 
 /// Triangles of a part of the tree that is not worth another thread.
 const ON_ONE_CORE: usize = 4_096;
+
+/// By how much the picture is wider on each side whose rays meet triangles, share of its half: rays beside a pixel of its
+/// rim lie beyond it.
+const PICTURE_MARGIN: f64 = 0.1;
 
 /// Box distances are compared with this much to spare, a few thousand times their rounding.
 const BOX_MARGIN: f64 = 1e-12;
@@ -142,15 +147,36 @@ impl Node {
 }
 
 impl SurfaceTriangles {
-    /// Triangles with a NaN or infinite corner cannot be met; they are counted instead.
+    /// All of a frame. Triangles with a NaN or infinite corner cannot be met; they are counted instead.
     #[must_use]
     pub fn new(frame: &SurfaceFrame) -> Self {
+        Self::of(frame, |_| true)
+    }
+
+    /// As [`SurfaceTriangles::new`] without those that no ray of a picture meets: all corners of such a one lie to the
+    /// same side of the picture, or behind the eye. Close to the ground that is nearly all, and takes the time that the
+    /// tree of all would.
+    #[must_use]
+    pub fn in_picture(frame: &SurfaceFrame, camera: &Camera, size: ImageSize) -> Self {
+        let planes = camera.side_planes_ecef(size, PICTURE_MARGIN);
+        Self::of(frame, |corners| {
+            let is_beyond = |plane: &DVec3| corners.iter().all(|corner| plane.dot(*corner) < 0.0);
+            !planes.iter().any(is_beyond)
+        })
+    }
+
+    fn of(frame: &SurfaceFrame, is_kept: impl Fn(&[DVec3; 3]) -> bool) -> Self {
         let vertices = &frame.vertices_rte;
         let corner = |index: u32| DVec3::from(vertices[index as usize].map(f64::from));
-        let mut all: Vec<[DVec3; 3]> = frame.triangles.iter().map(|ids| ids.map(corner)).collect();
-        let count = all.len();
-        all.retain(|corners| corners.iter().all(|corner| corner.is_finite()));
-        let non_finite = (count - all.len()) as u64;
+        let mut non_finite = 0;
+        let mut all = Vec::new();
+        for corners in frame.triangles.iter().map(|ids| ids.map(corner)) {
+            if !corners.iter().all(|corner| corner.is_finite()) {
+                non_finite += 1;
+            } else if is_kept(&corners) {
+                all.push(corners);
+            }
+        }
         let entry = |(triangle, &[a, b, c]): (u32, &[DVec3; 3])| Entry {
             middle: (a + b + c).to_array(),
             triangle,
@@ -253,6 +279,11 @@ impl SurfaceTriangles {
             }
         }
         nearest.0.is_finite().then_some(nearest)
+    }
+
+    #[cfg(test)]
+    pub(crate) fn len(&self) -> usize {
+        self.triangles.len()
     }
 
     /// [`SurfaceTriangles::hit`] without the tree.
