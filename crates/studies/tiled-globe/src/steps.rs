@@ -5,8 +5,7 @@
 //! counts from the map's edge can place what is seen from the ground. `local` counts from the eye, where steps are small.
 
 use super::options::Seam;
-use super::tiles::ALLOWED_TEXELS;
-use super::truth::{finest_level, texels_along};
+use super::truth::{ALLOWED_TEXELS, finest_level, texels_along};
 use terrafill_globe_views::Eye;
 
 /// Step of `f32` below 1.

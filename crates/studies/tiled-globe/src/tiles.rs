@@ -13,7 +13,9 @@ use crate::metrics::{self, SIZE_PX, VIEW};
 use crate::options::{Options, Seam};
 use crate::steps::{may_lose_texels, step_texels};
 use crate::tile_set::{ADDRESSES, Content, Shown, TileSet, shown};
-use crate::truth::{Tile, Truth, body_truths, frame_level, off_texels, tiles, tiles_of, truths};
+use crate::truth::{
+    ALLOWED_TEXELS, Tile, Truth, body_truths, frame_level, off_texels, tiles, tiles_of, truths,
+};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -159,9 +161,6 @@ pub(crate) struct TiledErrors {
     /// Tiles of which a pixel shows a texel.
     shown: BTreeSet<Tile>,
 }
-
-/// Texels by which a pixel beside the seam may be off.
-pub(crate) const ALLOWED_TEXELS: f64 = 0.5;
 
 impl TiledErrors {
     /// Adds a pixel that shows the surface.

@@ -393,6 +393,9 @@ pub(crate) struct Texel {
     pub(crate) y: u32,
 }
 
+/// Texels by which a pixel beside the seam may be off.
+pub(crate) const ALLOWED_TEXELS: f64 = 0.5;
+
 /// How far outside a texel a place lies, texels; 0 inside it.
 pub(crate) fn off_texels(texel: Texel, place: &WrappedPoint, by_fragment: bool) -> f64 {
     let beyond = |shown: f64, at: f64| ((shown + 0.5 - at).abs() - 0.5).max(0.0);

@@ -3,8 +3,7 @@
 
 use super::flight::{OPTIONS, wanted_tile};
 use crate::tile_set::Shown;
-use crate::tiles::ALLOWED_TEXELS;
-use crate::truth::{Tile, Truth, off_texels, tiles_of};
+use crate::truth::{ALLOWED_TEXELS, Tile, Truth, off_texels, tiles_of};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
