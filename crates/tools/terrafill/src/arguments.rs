@@ -376,7 +376,7 @@ pub(crate) struct RenderArguments {
     pub(crate) view: Option<String>,
     #[arg(long, help = FIT_HELP)]
     pub(crate) fit: bool,
-    /// Which picture of a study's case, by its name there [default: what the case shows]
+    /// Which of a study case's pictures, by name: a wrong one lists them
     #[arg(long, value_name = "NAME")]
     pub(crate) picture: Option<String>,
     #[arg(long, value_enum, default_value = "judged", hide_possible_values = true, help = STYLE_HELP)]
