@@ -201,7 +201,7 @@ impl Ellipsoid {
     /// Unit outward normal of the surface below a place, and the height above it along that, metres.
     ///
     /// [`Ellipsoid::ecef_to_geodetic`] without its angles: sines and cosines of Bowring's step are shares of a length, so
-    /// that no trigonometric function is called. It takes a fifth of the time, which counts for each pixel of a picture.
+    /// that no trigonometric function is called for each pixel of a picture.
     #[must_use]
     pub fn normal_and_height(&self, ecef: DVec3) -> (DVec3, f64) {
         let (a, b) = (self.equatorial_radius_m, self.polar_radius_m);

@@ -61,7 +61,7 @@ terrafill_results::named! {
 
 impl Drawing {
     /// Timed frames of a process, of as many as others have. Of a frame that draws the grid for each tile, which lasts ten
-    /// of theirs, three of five are enough: processes differ by 7 % and medians of three by no more than those of five.
+    /// of theirs, three of five are enough: over processes their median spread by 7.5 %, that of five by 7.2 %.
     pub(crate) fn samples(self, others: u32) -> u32 {
         match self {
             Self::DrawEach => (3 * others).div_ceil(5),
