@@ -63,16 +63,27 @@ pub(crate) const SECTION: Section<'static> = Section {
 fn exact(cases: &Cases<'_>) -> Finding {
     let wrong =
         |case: &Case| Some(case.value(GLOBE_WIRE_BEYOND_PX)? + case.value(GLOBE_WIRE_MISSING)?);
-    let all: Vec<f64> = cases.iter().filter_map(wrong).collect();
+    let claim = "Lines are the edges of the triangles in f64, both ways";
+    none_off(cases, claim, "pixels and lines", wrong)
+}
+
+/// Whether nothing is off in any picture.
+///
+/// - `what`: may be off, in the plural
+/// - `off`: how many of a case are; `None` where it was not drawn
+pub(crate) fn none_off(
+    cases: &Cases<'_>,
+    claim: &str,
+    what: &str,
+    off: impl Fn(&Case) -> Option<f64>,
+) -> Finding {
+    let all: Vec<f64> = cases.iter().filter_map(off).collect();
     let most = all.iter().copied().reduce(f64::max);
     finding(
-        "Lines are the edges of the triangles in f64, both ways",
+        claim,
         most.map(|most| most == 0.0),
         most.map_or_else(String::new, |most| {
-            format!(
-                "{most} pixels and lines off at most, of {} pictures.",
-                all.len()
-            )
+            format!("{most} {what} off at most, of {} pictures.", all.len())
         }),
     )
 }

@@ -71,17 +71,18 @@ impl<'a> Painter<'a> {
     fn colour(&self, view: &DeckCamera, ray: DVec3, seen: Seen, is_dark: bool) -> DVec3 {
         let along = ray.normalize();
         let pixel = 2.0 * view.tan[0] / f64::from(view.size[0]);
-        let light = self.light(is_dark);
         match seen {
             Seen::Sky => self.sky(along),
-            Seen::Sea(depth) => self.sea(view.eye + ray * depth, along, pixel * depth, light),
+            Seen::Sea(depth) => self.sea(view.eye + ray * depth, along, pixel * depth, is_dark),
             Seen::Triangle(triangle, depth) => {
                 let triangle = triangle as usize;
                 let plane = self.scene.mesh().planes[triangle] as usize;
                 let normal = self.scene.mesh().normals[plane].normalize_or_zero();
                 let material = &self.materials[self.part_of[triangle] as usize];
                 let place = view.eye + ray * depth;
-                material.colour(place, normal, pixel * depth) * self.shade(normal) * light
+                material.colour(place, normal, pixel * depth)
+                    * self.shade(normal)
+                    * self.light(is_dark)
             }
         }
     }
@@ -110,7 +111,7 @@ impl<'a> Painter<'a> {
     }
 
     /// - `pixel_m`: width of a pixel there, across the ray
-    fn sea(&self, place: DVec3, along: DVec3, pixel_m: f64, light: DVec3) -> DVec3 {
+    fn sea(&self, place: DVec3, along: DVec3, pixel_m: f64, is_dark: bool) -> DVec3 {
         // A pixel is longer on the water than it is wide.
         let pixel_m = pixel_m / along.z.abs().max(1e-3);
         let mut slope = DVec3::ZERO;
@@ -125,9 +126,9 @@ impl<'a> Painter<'a> {
         let mirrored = along + 2.0 * cosine * normal;
         let share = REFLECTED + (1.0 - REFLECTED) * (1.0 - cosine).powi(5);
         let water = WATER.lerp(self.sky(mirrored), 0.8 * share);
-        let is_lit = light == self.sunlight;
         let glitter = mirrored.dot(self.scene.to_light).max(0.0).powf(GLITTER);
-        water * light + self.sunlight * if is_lit { 0.5 * glitter } else { 0.0 }
+        let mirrored_sun = if is_dark { 0.0 } else { 0.5 * glitter };
+        water * self.light(is_dark) + self.sunlight * mirrored_sun
     }
 }
 

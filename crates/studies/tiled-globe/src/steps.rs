@@ -11,8 +11,9 @@ use terrafill_globe_views::Eye;
 /// Step of `f32` below 1.
 const STEP: f64 = f32::EPSILON as f64 / 2.0;
 
-/// Roundings between a corner's U and a fragment's, each by up to a step where U is near 1: the corner's own; of U ÷ w
-/// and its share of three, quotient, product and two sums; of 1 ÷ w as many; and the quotient of both.
+/// Roundings between a corner's U and a fragment's, each by up to a step where U is near 1. One is the corner's own. U ÷ w
+/// and its sum over three corners take four: a quotient, a product and two sums. 1 ÷ w takes as many, and the quotient of
+/// both sums is the last.
 const ROUNDINGS: f64 = 10.0;
 
 /// Texels of the finest level that a step of `f32` just below 1 is.

@@ -300,8 +300,8 @@ pub(crate) fn frame_level(truths: &[Option<Truth>], options: &Options) -> Option
     Some(finest.saturating_sub(below))
 }
 
-/// The finest level that a view asks for, by rays at the body through the picture's middle, its corners and the middles
-/// of its sides: straight down or at the lower side the ground is nearest.
+/// The finest level that a view asks for. Nine rays meet the body: through the picture's middle, its corners and the
+/// middles of its sides. Where the ground is nearest, straight down or at the lower side, one of them passes.
 pub(crate) fn finest_level(eye: &Eye) -> u32 {
     let camera = &eye.camera;
     let body = SurfaceTriangles::of_body(&eye.body, camera.eye_ecef);

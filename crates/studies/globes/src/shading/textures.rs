@@ -9,6 +9,7 @@ use super::texels::{Looked, Pictures, Texels};
 use super::way::{Layer, Shading};
 use crate::STUDY;
 use crate::metrics::{self, *};
+use crate::wires::none_off;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_globe_views::{Canvas, DRAW, FrameWatch, Stages, fingerprint, write_png};
 use terrafill_gpu::Gpu;
-use terrafill_lab::{Cases, Column, Names, Section, Select, finding};
+use terrafill_lab::{Cases, Column, Names, Section, Select};
 use terrafill_results::{Case, CaseId, Finding, PlannedCase, Verdict};
 use terrafill_scene::ImageSize;
 use terrafill_study::{CaseGroup, Context, Failure, Figures, JudgedOnce, Shows, judged, verified};
@@ -53,14 +54,11 @@ pub(super) const SECTION: Section<'static> = Section {
 
 fn exact(cases: &Cases<'_>) -> Finding {
     let beyond = |case: &Case| case.value(GLOBE_SHADE_BEYOND_PX);
-    let all: Vec<f64> = cases.iter().filter_map(beyond).collect();
-    let most = all.iter().copied().reduce(f64::max);
-    finding(
+    none_off(
+        cases,
         "Each layer by itself is its texels in f64",
-        most.map(|most| most == 0.0),
-        most.map_or_else(String::new, |most| {
-            format!("{most} pixels off at most, of {} pictures.", all.len())
-        }),
+        "pixels",
+        beyond,
     )
 }
 

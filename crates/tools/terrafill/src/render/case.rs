@@ -225,8 +225,8 @@ fn pictures(verdict: &Verdict) -> impl Iterator<Item = (&str, &str)> {
     notes.filter(|(_, path)| path.starts_with("images/"))
 }
 
-/// The picture of this name that a verdict has, relative to the folder; without one the first: what is seen before what
-/// it is held against, and for people that which is made for them, where there is one.
+/// The picture of this name that a verdict has, relative to the folder. Without a name it is the one made for people, where
+/// they are asked for and there is one. Else it is the first: what is drawn stands before what it is compared with.
 fn picture<'a>(verdict: &'a Verdict, name: Option<&str>, style: Style) -> Option<&'a str> {
     let of = |name: &str| {
         let named = pictures(verdict).find(|(note, _)| *note == name);

@@ -49,8 +49,8 @@ fn clone() -> Desk {
     desk
 }
 
-/// What a bench of the README is cut to a moment by, unless the line says it itself: a small picture,
-/// one sample, one process, one study, no ablation and no matrix; and one technique, where the line names no study.
+/// What cuts a bench of the README to a moment, where the line does not say it itself. It draws small pictures, one sample
+/// in one process, one study, no ablation and no matrix. Where the line names no study, it has one technique.
 const HASTE: [(&str, &str); 7] = [
     ("--size", "48"),
     ("--samples", "1"),
