@@ -3,7 +3,8 @@
 //!
 //! `terrafill_fixtures::data` is the only way for a test to reach the data folder, and it panics where
 //! something is missing. So a test that reads data fails on a clone alone unless it is ignored. Refused here is what would get
-//! round that: an attribute `ignore` for another reason, and a test that looks for data by itself.
+//! round that: an attribute `ignore` for another reason, and a test that looks for data by itself. Refused too is a file of
+//! tests that its crate's `tests/all.rs` does not name: nothing would compile it.
 
 use crate::source::{files_below, read, relative};
 use anyhow::{Result, bail};
@@ -78,6 +79,7 @@ fn judge(files: &BTreeMap<String, String>) -> Result<String> {
             }
         }
     }
+    wrong.extend(files.keys().filter_map(|path| unnamed(files, path)));
     if !wrong.is_empty() {
         bail!("{} places:\n{}", wrong.len(), wrong.join("\n"));
     }
@@ -89,6 +91,16 @@ fn judge(files: &BTreeMap<String, String>) -> Result<String> {
         .map(|(set, count)| format!("{set} ({count})"))
         .collect();
     Ok(format!("{marked} tests need data: {}", sets.join(", ")))
+}
+
+/// That a file of tests is not named by the `all.rs` beside it, where there is one.
+fn unnamed(files: &BTreeMap<String, String>, path: &str) -> Option<String> {
+    let (folder, name) = path.rsplit_once('/')?;
+    let all = files.get(&format!("{folder}/all.rs"))?;
+    let line = format!("mod {};", name.strip_suffix(".rs")?);
+    let is_named = name == "all.rs" || all.lines().any(|own| own == line);
+    (!is_named && folder.ends_with("/tests"))
+        .then(|| format!("{path}: {folder}/all.rs has no line \"{line}\""))
 }
 
 /// The sets that a test is marked with; `None` where the line is no such mark, or names none.
@@ -129,6 +141,23 @@ mod tests {
                 .to_string();
             assert!(refused.contains("crates/a/tests/b.rs:1"), "{refused}");
         }
+    }
+
+    #[test]
+    fn a_file_of_tests_that_nothing_compiles_is_refused() {
+        let files = |name: &str| {
+            BTreeMap::from([
+                (
+                    "crates/a/tests/all.rs".to_owned(),
+                    format!("{NEEDS}us-10m\"]\nmod b;\n"),
+                ),
+                (format!("crates/a/tests/{name}.rs"), String::new()),
+            ])
+        };
+        judge(&files("b")).expect("named");
+        let refused = judge(&files("c")).expect_err("not named").to_string();
+        let words = "crates/a/tests/c.rs: crates/a/tests/all.rs has no line \"mod c;\"";
+        assert!(refused.contains(words), "{refused}");
     }
 
     #[test]

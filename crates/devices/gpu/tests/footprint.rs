@@ -2,9 +2,7 @@
 //! The vertex stage's footprint of a cone is the one that is followed in f64, within the bound. Skipped
 //! without a device; see `device.rs`.
 
-mod common;
-
-use common::evaluated;
+use crate::common::evaluated;
 use std::sync::Arc;
 use terrafill_core::{
     Ellipsoid, FootprintMesher, Geodetic, MovingFootprint, SensorCone, nearest_f32,

@@ -2,9 +2,7 @@
 //! Position routes and charts on the device: their printed text as a compute shader, against the
 //! exact offsets and angles, the bounds and the emulation.
 
-mod common;
-
-use common::evaluated;
+use crate::common::evaluated;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_gpu::{GpuOptions, Kernel, open_for_test};
 use terrafill_texture::{

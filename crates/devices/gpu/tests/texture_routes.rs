@@ -4,9 +4,7 @@
 //!
 //! Here a driver's own `atan2` shows, which no emulation on the CPU can know.
 
-mod common;
-
-use common::evaluated;
+use crate::common::evaluated;
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
 use terrafill_gpu::{Gpu, GpuOptions, Kernel, RouteTexels, open_for_test};

@@ -7,10 +7,8 @@
 //! as the backends raise it, and what is measured is the distance to the line in which it cuts the
 //! surface.
 
-mod outlines;
-
+use crate::outlines::RULES;
 use glam::DVec3;
-use outlines::RULES;
 use std::collections::HashMap;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh};
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What fuzzing found, as small as it could be made.
 
-mod outlines;
-
-use outlines::{RULES, assert_sound};
+use crate::outlines::{RULES, assert_sound};
 use terrafill_core::{
     EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
     parse_regions,

@@ -4,10 +4,8 @@
 //! Deviations are measured here by points laid densely along both boundaries and compared in ECEF,
 //! which shares nothing with the bound in `core` but the body.
 
-mod outlines;
-
+use crate::outlines::{RULES, repaired};
 use glam::DVec3;
-use outlines::{RULES, repaired};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use terrafill_core::{
     EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh, Ring, SharedBoundaries,

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Meshes of shapes whose area and boundary are known by arithmetic, beside those of `edge_cases`.
 
-mod outlines;
-
-use outlines::{RULES, assert_sound};
+use crate::outlines::{RULES, assert_sound};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MeshError, MeshOptions, Region, RegionMesh};
 use terrafill_fixtures::region;

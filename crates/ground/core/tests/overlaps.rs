@@ -2,9 +2,7 @@
 //! Parts of a region that lie over one another: refused with their place, filled when asked for,
 //! and never seen where parts only touch, share edges or lie in one another's holes.
 
-mod outlines;
-
-use outlines::RULES;
+use crate::outlines::RULES;
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Repair};
 use terrafill_fixtures::region;

@@ -2,9 +2,7 @@
 //! Real outlines: every region sound, borders shared, areas
 //! right by arithmetic that shares nothing with the mesher.
 
-mod outlines;
-
-use outlines::{RULES, assert_sound, outline, repaired};
+use crate::outlines::{RULES, assert_sound, outline, repaired};
 use std::collections::BTreeSet;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Ring, parse_regions,

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Edges that cross on the antimeridian itself, where both are cut: their pieces only touch there.
 
-mod outlines;
-
-use outlines::RULES;
+use crate::outlines::RULES;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh};
 
 type Degrees = [f64; 2];

@@ -2,10 +2,8 @@
 //! The closed solid of a mesh: sound for real outlines and hard shapes, and every way of breaking it
 //! noticed under its own name.
 
-mod outlines;
-
+use crate::outlines::{RULES, outline};
 use glam::{DVec3, Vec3};
-use outlines::{RULES, outline};
 use rayon::prelude::*;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, VolumeHeights, parse_regions,

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-#![allow(missing_docs, reason = "a test binary has no callers")]
 //! Charts on every body, across the antimeridian and over poles: emulation against bound, special
 //! inputs, shader text.
 
-mod naga_says;
-
-use naga_says::is_valid;
+use crate::naga_says::is_valid;
 use terrafill_core::Ellipsoid;
 use terrafill_texture::{
     Arithmetic, Chart, CoordinateRoute, CubeTexture, MapExtent, MapRegion, Program,

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-#![allow(missing_docs, reason = "a test binary has no callers")]
 //! The chooser over extents, latitudes and heights: what it takes holds at places it did not look
 //! at, nothing cheaper would do, and mutants are noticed.
 

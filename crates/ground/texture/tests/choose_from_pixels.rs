@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-#![allow(missing_docs, reason = "a test binary has no callers")]
 //! From a pixel and its depth to a texel, all in emulated `f32`: the position route and the chosen
 //! coordinate route one after the other, against `f64`.
 

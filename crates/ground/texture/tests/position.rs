@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-#![allow(missing_docs, reason = "a test binary has no callers")]
 //! Position routes and vertex formats: errors against other computations, against their own
 //! formula, and mutants that must be noticed.
 
-mod naga_says;
-
+use crate::naga_says::is_valid;
 use glam::DVec3;
-use naga_says::is_valid;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
     Arithmetic, DepthFormat, DepthMapping, DepthStorage, MapExtent, MapRegion, PerspectiveView,

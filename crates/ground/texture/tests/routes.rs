@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes of two arctangents, whole: names, shader text, residual against emulation, special places.
 
-mod naga_says;
-
-use naga_says::is_valid;
+use crate::naga_says::is_valid;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{Ellipsoid, Geodetic, nearest_f32};

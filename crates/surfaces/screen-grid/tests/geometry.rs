@@ -2,15 +2,13 @@
 //! Figures of a grid of N × N cells against those that were computed elsewhere: how far a pixel's texture is off, how
 //! deep the grid hangs, and how much of the disc it leaves out.
 
-mod view;
-
+use crate::view::{camera, corners, grid, pixel, seen, sphere, spread, square, true_hit};
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
 use terrafill_maps::{MapPoint, mercator_v, place};
 use terrafill_scene::{Camera, ImageSize, Scene};
 use terrafill_screen_grid::{GridOptions, Limb, Rays, ScreenGridKind, ScreenMesh};
 use terrafill_surface::{Surface, open_surface};
-use view::{camera, corners, grid, pixel, seen, sphere, spread, square, true_hit};
 
 /// Errors of the texture's position, median, 99 % and largest, and the share of the disc that is uncovered.
 #[derive(Debug)]

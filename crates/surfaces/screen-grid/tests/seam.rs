@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The seam at ±180° over many views, and how many tiles a frame needs.
 
-mod view;
-
+use crate::view::{camera, corners, grid, pixel, seen, sphere, square, true_hit, weights};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -12,7 +11,6 @@ use terrafill_maps::{
     split,
 };
 use terrafill_screen_grid::ScreenMesh;
-use view::{camera, corners, grid, pixel, seen, sphere, square, true_hit, weights};
 
 /// Numbers evenly between 0 and 1, the same on every run (Steele, Lea & Flood, 2014: `SplitMix64`).
 struct Draws(u64);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Regions from files of the data folder, and whether meshes are sound.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
-
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh, parse_regions};
 use terrafill_fixtures::{check_extruded, data};
 

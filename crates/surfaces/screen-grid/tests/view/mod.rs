@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A view of a grid, met by a ray through each pixel, in `f64`.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
-
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_scene::{Camera, CameraPose, ImageSize};

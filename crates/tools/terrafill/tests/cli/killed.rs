@@ -11,8 +11,8 @@ use terrafill_results::{Outcome, Run};
 /// Longest wait for a run's first rows: a debug build on a busy machine takes seconds.
 const MAX_WAIT: Duration = Duration::from_secs(120);
 
-/// Samples of each case: a few seconds of work on a software driver.
-const SAMPLES: &str = "40";
+/// Samples of each case: a few seconds of work on a software driver, by several techniques and by one.
+const SAMPLES: [&str; 2] = ["20", "40"];
 
 /// A run of `study` that takes long enough to be killed.
 fn bench<'a>(study: &'a str, samples: &'a str, more: &[&'a str]) -> Vec<&'a str> {
@@ -24,14 +24,14 @@ fn bench<'a>(study: &'a str, samples: &'a str, more: &[&'a str]) -> Vec<&'a str>
 
 /// The same of `filling`, by the techniques that are counted.
 fn filling<'a>(more: &[&'a str]) -> Vec<&'a str> {
-    bench("filling", SAMPLES, &[&NAMED[..], more].concat())
+    bench("filling", SAMPLES[0], &[&NAMED[..], more].concat())
 }
 
 /// The same by one technique, where only the end of a run matters.
 fn short<'a>(more: &[&'a str]) -> Vec<&'a str> {
     bench(
         "filling",
-        SAMPLES,
+        SAMPLES[1],
         &[&["--technique", "vertex"], more].concat(),
     )
 }
