@@ -57,6 +57,7 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("study", &["scene", "contract", "surface"]),
     ("tiled-globe", &["globe-views"]),
     ("globes", &["globe-views", "tiled-globe"]),
+    ("shadows", &["shadow-views"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];

@@ -2,20 +2,17 @@
 //! What cases compute.
 
 use crate::ablation::StencilStep;
-use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
-use crate::device::Interface;
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
-use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::rivals::Rival;
-use crate::view::EYE_SIZE;
 use crate::views::{Chooser, Eyes, Place};
 use crate::way::DeviceWay;
 use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::ConditionKey;
+use terrafill_shadow_views::{EYE_SIZE, EyeTest, Interface, Rule};
 
 terrafill_results::named! {
     /// How a silhouette is found.

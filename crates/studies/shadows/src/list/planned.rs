@@ -3,18 +3,16 @@
 
 use crate::STUDY;
 use crate::brought::Brought;
-use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
-use crate::device::Interface;
 use crate::job::{Job, Method, sun_name};
 use crate::metrics::*;
-use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::{Chooser, Eyes};
-use crate::way::{Counting, Positions};
+use crate::way::Counting;
 use crate::work::Scissor;
 use terrafill_casters::Policy;
 use terrafill_results::{ConditionKey, PlannedCase};
+use terrafill_shadow_views::{EyeTest, Interface, Positions, Rule};
 use terrafill_study::planned_case;
 use terrafill_variant::FacePasses;
 
