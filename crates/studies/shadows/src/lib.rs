@@ -4,6 +4,7 @@
 //! After Yang & Jin (IV'06), whose only figure is a frame rate. Rays to the sun, in `f64` on the CPU, are the
 //! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
 //! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
+//! Outlines by a stencil value are a part of the study with a crate of its own, `terrafill-outlines`.
 
 mod ablation;
 mod brought;
@@ -18,7 +19,6 @@ mod list;
 mod loading;
 mod maps;
 mod metrics;
-mod outline;
 mod rivals;
 mod shading;
 mod silhouettes;

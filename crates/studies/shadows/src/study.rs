@@ -14,7 +14,7 @@ use crate::eyes::EyeTable;
 use crate::job::Job;
 use crate::list::questions;
 use crate::maps::Map;
-use crate::metrics::{METRICS, SHADOW_MAP_CPU_MS, TIME};
+use crate::metrics::{METRICS, QUESTION, SHADOW_MAP_CPU_MS, TIME};
 use crate::views::Place;
 use crate::work::{End, Scene, closed, port_m};
 use std::collections::BTreeMap;
@@ -108,8 +108,13 @@ impl Study for ShadowsStudy {
                 },
             })
         });
+        let outlines = match brought {
+            // Its models are seen from elsewhere.
+            Some(_) => Vec::new(),
+            None => terrafill_outlines::planned(STUDY, (QUESTION, "outlines"), request),
+        };
         Ok(Planned {
-            groups: groups.collect(),
+            groups: groups.chain(outlines).collect(),
             ..Planned::default()
         })
     }

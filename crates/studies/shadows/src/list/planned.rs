@@ -6,7 +6,6 @@ use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
 use crate::job::{Job, Method, sun_name};
 use crate::metrics::*;
-use crate::outline::Way;
 use crate::views::{Chooser, Eyes};
 use crate::way::Counting;
 use crate::work::Scissor;
@@ -93,11 +92,6 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![is(POLICY, policy.name())];
             ("casters", conditions, policy == Policy::AsIs)
         }
-        Job::Outline(count, way) => (
-            "outlines",
-            vec![is(MODELS, count), is(OUTLINE, way.name())],
-            matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
-        ),
         Job::Silhouette(mesh, method) => {
             // A user's mesh has no name.
             let mesh_name = (!mesh.is_empty()).then(|| is(MESH, mesh));

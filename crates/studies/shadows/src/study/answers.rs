@@ -8,7 +8,6 @@ use crate::eyes::EyeTable;
 use crate::job::{Job, Method};
 use crate::maps::Mapped;
 use crate::metrics::MOSTLY;
-use crate::outline::{Way, outlines};
 use crate::views::Chooser;
 use crate::work::{BOUNDS_SHARE, ChannelTotals, End, NEARS, Pixels, Scene, Scissor};
 use std::path::Path;
@@ -175,20 +174,6 @@ impl Answering<'_> {
                     }),
                     Err(error) => Err(error.to_string().into()),
                 }
-            }
-            Job::Outline(models, way) => {
-                let (clears, wrong) = outlines(models, way);
-                let expected = match way {
-                    Way::Clear => u64::from(models),
-                    Way::Value | Way::ValueAsPrinted => 1 + u64::from(models / 255),
-                    Way::ValueNeverCleared => 1,
-                };
-                let reason = format!("{wrong} contour pixels wrong, {clears} clears of {expected}");
-                let figures = vec![
-                    ("shadow_clears", clears as f64),
-                    ("shadow_contour_px", wrong as f64),
-                ];
-                Ok(verdict(wrong == 0 && clears == expected, reason, figures))
             }
             Job::Silhouette(mesh, method) => Ok(self.silhouette(mesh, method)?),
             Job::Model => {
