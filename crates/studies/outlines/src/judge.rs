@@ -227,7 +227,7 @@ impl Truth {
         self.pixels[pixel] = after;
     }
 
-    /// Calls `each` with every pixel whose middle may lie in a front face of a part.
+    /// Adds what front faces of a part have at every pixel whose middle may lie in one.
     fn faces(&self, fleet: &Fleet, part: usize, facing: &Facing, layers: &mut Scratch<Layer>) {
         for triangle in fleet.mesh.parts[part].triangles.clone() {
             if !facing.is_lit[triangle] {

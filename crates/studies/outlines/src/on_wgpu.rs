@@ -8,7 +8,8 @@ use std::ops::Range;
 use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_gpu::{
-    DEPTH_STENCIL_FORMAT, Gpu, PassTimer, TimedPass, attached, read_texture, vertex_layout,
+    DEPTH_STENCIL_FORMAT, Gpu, PassTimer, TimedPass, attached, described, read_texture, tested,
+    vertex_layout,
 };
 
 const SHADER: &str = "casters/outlines.wgsl";
@@ -252,36 +253,25 @@ fn pipeline(
         },
         ..Default::default()
     };
-    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("outlines"),
-        layout: Some(&gpu.pipeline_layout("outlines", &[Some(layout)])),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(entries[0]),
-            compilation_options: Default::default(),
-            buffers: &[buffer],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_STENCIL_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState {
-                front: stencil,
-                back: stencil,
-                read_mask: 0xff,
-                write_mask: 0xff,
-            },
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(entries[1]),
-            compilation_options: Default::default(),
-            targets: &[Some(NUMBERS.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    }))
+    let (layout, targets) = (
+        gpu.pipeline_layout("outlines", &[Some(layout)]),
+        [Some(NUMBERS.into())],
+    );
+    let (mut own, buffers) = (described("outlines", &layout, &module, &targets), [buffer]);
+    own.vertex.entry_point = Some(entries[0]);
+    own.vertex.buffers = &buffers;
+    if let Some(fragment) = &mut own.fragment {
+        fragment.entry_point = Some(entries[1]);
+    }
+    let stencil = wgpu::StencilState {
+        front: stencil,
+        back: stencil,
+        read_mask: 0xff,
+        write_mask: 0xff,
+    };
+    own.depth_stencil = Some(wgpu::DepthStencilState {
+        depth_write_enabled: Some(true),
+        ..tested(wgpu::CompareFunction::Greater, stencil)
+    });
+    Ok(gpu.create_render_pipeline(&own))
 }

@@ -16,8 +16,9 @@ const OF_EVERY_WIDTH: usize = 17;
 const WIDTHS_PX: [u32; 3] = [1, 3, 5];
 /// Pixels of a quick run.
 const QUICK_SIZE: [u32; 2] = [256, 192];
-/// Timed frames of a process.
+/// Timed frames of a process, and of those that take a software device longer than a second.
 const SAMPLES: u32 = 5;
+const LONG_SAMPLES: u32 = 2;
 /// Setting by which whoever renders keeps pictures.
 const PICTURES: &str = "pictures";
 
@@ -45,7 +46,9 @@ pub fn planned(
         let size = request.size_or(QUICK_SIZE);
         let case = |(way, width): &(Way, u32)| {
             let is_right = matches!(way, Way::Clear | Way::Value);
-            let samples = request.samples.unwrap_or(SAMPLES);
+            let is_long = *models > 1_000;
+            let samples = if is_long { LONG_SAMPLES } else { SAMPLES };
+            let samples = request.samples.unwrap_or(samples);
             let conditions = [
                 (question.0, question.1.to_owned()),
                 (API, terrafill_gpu::API.name.to_owned()),
