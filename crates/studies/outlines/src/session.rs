@@ -94,6 +94,8 @@ impl Shows for Outlining<'_> {
         if !self.truths.contains_key(&width) {
             let (fleet, _) = self.opened()?;
             let truth = Truth::new(fleet, f64::from(width));
+            // At 4K one fills half a gigabyte, and a width's cases follow one another.
+            self.truths.clear();
             self.truths.insert(width, truth);
         }
         let truth = &self.truths[&width];

@@ -49,6 +49,8 @@ fn values_leave_out_what_clears_do_and_both_twins_are_wrong() {
         let (found, numbers, clears) = shown(Way::Value);
         assert_eq!((found.all(), clears), (0, 1 + models / 255));
         assert!(numbers == cleared, "another picture than by clears");
+        let (wider, _) = picture(&device, Way::Value, width_px + 2);
+        assert!(truth.judge(&wider).all() > 100, "strokes of another width");
         let (found, _, clears) = shown(Way::ValueAsPrinted);
         assert!(found.inside > 100 && found.missing > 100);
         assert_eq!(clears, 1 + models / 255);
