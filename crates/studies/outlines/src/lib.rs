@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Outlines of many models, a part of study `shadows`: a stencil value for each model instead of a clear.
 //!
-//! After McGuire & Hughes (2004), whom Yang & Jin (IV'06, 4.3) quote. A device draws each model with its value, then its
+//! By McGuire & Hughes (2004), as Yang & Jin (IV'06, 4.3) print it. A device draws each model with its value, then its
 //! contour edges as thick strokes wherever the stencil has another one. Every pixel is held against `f64`, see `judge`.
 
 mod contour;

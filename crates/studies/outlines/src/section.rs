@@ -12,11 +12,12 @@ use terrafill_results::{Case, Claim, Finding, Scope};
 pub const SECTION: Section<'static> = Section {
     title: "Outlines by a stencil value",
     text: "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The port's models, \
-           and copies of them, turned and stretched, seen from 300 m up. Each model writes S where its depth test passes; \
-           then its contour edges, found for the eye in f64, are drawn as strokes with round ends. A stroke has the depth of \
-           its edge, is tested and written by it, and is kept where the stencil is not S: the test is printed as \
-           \"stencil == S\", which keeps inner contours instead. The reference plays the method through at each pixel, model \
-           after model, by numbers that never repeat. A clear is a pass of its own, since WebGPU has no other.",
+           and copies of them, turned and stretched, are seen from 300 m up. One copy in four lies alongside the one that has \
+           its value where values come round. Each model writes S where its depth test passes; then its contour edges, found \
+           for the eye in f64, are drawn as strokes with round ends. A stroke has the depth of its edge, is tested and written \
+           by it, and is kept where the stencil is not S. The paper prints the test as \"stencil == S\", which keeps inner \
+           contours instead. The reference plays the method through at each pixel, model after model, by numbers that never \
+           repeat. A clear is a pass of its own, since WebGPU clears nothing within one.",
     cases: Select::Fitting(|case| !case.condition(OUTLINE).is_empty()),
     named_by: Names::Joined(&[API, MODELS, STROKE_PX, OUTLINE, SIZE_PX]),
     columns: &[
