@@ -84,7 +84,15 @@ fn clears(values: &Cases<'_>) -> Option<Finding> {
 }
 
 fn time(cases: &Cases<'_>) -> Option<Finding> {
-    let pairs = cases.pairs(OUTLINE, ["clear", "value"], &[]);
+    // "For a scene with many objects": from where values come round.
+    let is_many = |case: &Case| {
+        case.condition(MODELS)
+            .parse()
+            .is_ok_and(|models: u32| models >= 254)
+    };
+    let pairs = cases
+        .fitting(is_many)
+        .pairs(OUTLINE, ["clear", "value"], &[]);
     let comparison = Comparison {
         changed: OUTLINE.name(),
         follows: &[],
