@@ -57,6 +57,8 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("study", &["scene", "contract", "surface"]),
     ("tiled-globe", &["globe-views"]),
     ("globes", &["globe-views", "tiled-globe"]),
+    ("outlines", &["shadow-views"]),
+    ("shadows", &["outlines", "shadow-views"]),
     ("history", &["gate"]),
     ("terrafill", &["data", "gate", "history", "report"]),
 ];

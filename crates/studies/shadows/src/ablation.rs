@@ -3,15 +3,13 @@
 //!
 //! Writes of the stencil are counted along the rays of pixels, as a device with this step would make them.
 
-use crate::count::{Pass, Rule};
-use crate::device::Interface;
-use crate::near::EyeTest;
-use crate::reference::Reference;
-use crate::scissor::{depths_of_parts, of_parts};
 use crate::way::{Bounds, Counting, Cut, DeviceWay, Silhouettes};
 use crate::work::{BOUNDS_SHARE, End, Scene};
 use terrafill_casters::{EdgeTable, Side, Volume};
 use terrafill_contract::CpuStopwatch;
+use terrafill_shadow_views::{
+    EyeTest, Interface, Pass, Reference, Rule, depths_of_parts, of_parts,
+};
 use terrafill_variant::FacePasses;
 
 /// A step: what it adds, and what the paper says of that.
@@ -160,8 +158,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Truth;
-    use crate::view::DeckCamera;
+    use terrafill_shadow_views::{DeckCamera, Truth};
 
     #[test]
     fn silhouettes_rules_and_depth_bounds_write_less_and_the_other_steps_as_much() {

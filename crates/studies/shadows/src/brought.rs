@@ -4,11 +4,11 @@
 //! The middle of the model is laid at the origin, over the same sea as the port; heights stay. Eyes look
 //! from four sides, above everything that casts: under a sun above the horizon no eye is in shadow.
 
-use crate::view::{DeckCamera, box_of};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::path::Path;
 use terrafill_casters::{Mesh, ModelFile, Policy, Prepared, Reading, Up, Verdict, verdict};
+use terrafill_shadow_views::{DeckCamera, box_of};
 
 /// Name of the setting.
 pub(crate) const SETTING: &str = "casters";
@@ -154,12 +154,10 @@ impl Brought {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::count::{Rule, Wrong};
-    use crate::reference::Light;
-    use crate::view::bridge;
     use crate::work::{End, Scene, Scissor};
     use terrafill_casters::{PortSize, hull, port};
     use terrafill_core::{index_u32, nearest_f32};
+    use terrafill_shadow_views::{Light, Rule, Wrong, bridge};
 
     /// Every model as an object of triangles, z up.
     fn obj(mesh: &Mesh) -> String {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which pixels count: the paper considers shadows above the sea alone, and drops those beyond a range of depths.
 
-use crate::count::{Pass, Rule, Wrong};
-use crate::reference::{Light, Seen, Truth};
 use crate::work::{BOUNDS_SHARE, ChannelTotals, End, Scene};
+use terrafill_shadow_views::{Light, Pass, Rule, Seen, Truth, Wrong};
 
 terrafill_results::named! {
     /// Pixels whose shadow counts.

@@ -5,10 +5,6 @@
 //! depth grows towards the sun, and 0 is where nothing was drawn.
 
 use crate::maps::{Bias, Frame};
-use crate::reference::Light;
-use crate::sea::surface;
-use crate::view::DeckCamera;
-use crate::way::Positions;
 use crate::work::Scene;
 use glam::DVec3;
 use std::ops::Range;
@@ -16,6 +12,7 @@ use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, FrameTimes};
 use terrafill_core::nearest_f32;
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
+use terrafill_shadow_views::{DeckCamera, Light, Positions, surface};
 use terrafill_study::Failure;
 
 const SHADER: &str = "casters/map.wgsl";

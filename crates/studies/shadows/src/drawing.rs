@@ -5,25 +5,19 @@
 //! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
 //! in the same order, so that their depths are equal: equal depth fails.
 
-use crate::count::{Wrong, slivers};
-use crate::device::{Channel, Draws, Retile};
-use crate::loading::{Loadable, listed, program};
-use crate::reference::{Light, Reference, SEA_RADIUS_M};
-use crate::sea::surface;
-use crate::source::VolumeSource;
+use crate::loading::{Loadable, program};
 use crate::tiling::tiled;
-use crate::view::DeckCamera;
-use crate::way::{Bounds, Cut, DeviceWay, Positions, Silhouettes, count};
+use crate::way::{Bounds, Cut, DeviceWay, Silhouettes};
 use crate::work::{End, ROUNDING_PX, Scene};
-use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
 use terrafill_casters::Volume;
-use terrafill_contract::{DeviceError, Devices, Frame, SurfaceView, ViewId, mask_hash};
-use terrafill_core::{Ellipsoid, VolumeHeights};
-use terrafill_scene::{Camera, ImageSize};
-use terrafill_stencil::{
-    FixedPoint, PositionFormat, StencilWork, VolumeConstants, VolumeList, VolumePlace,
+use terrafill_contract::{DeviceError, Devices, Frame, SurfaceView, mask_hash};
+use terrafill_scene::ImageSize;
+use terrafill_shadow_views::{
+    Channel, DeckCamera, Draws, Light, Reference, Retile, VolumeSource, Wrong, constants, count,
+    listed, seen_by, slivers,
 };
+use terrafill_stencil::{StencilWork, VolumeList};
 use terrafill_study::Failure;
 
 /// What a device drew, over all channels.
@@ -167,7 +161,7 @@ impl Scene {
     ) -> Result<Box<dyn Draws>, Failure> {
         let switches = way.switches();
         let Loadable { source, list, .. } = loadable;
-        self.seen_by(way.positions, view, |seen| {
+        seen_by(way.positions, view, self.mesh(), |seen| {
             let (id, size, camera) = (seen.id, seen.size, *seen.camera);
             let words = match &source {
                 VolumeSource::Adjacent(own) => Some(own.clone()),
@@ -202,28 +196,6 @@ impl Scene {
                 .open(devices, open, seen, source, (whole, retile))?)
         })
     }
-
-    /// Hands over what a view sees, as devices draw it.
-    pub(crate) fn seen_by<T>(
-        &self,
-        positions: Positions,
-        view: &DeckCamera,
-        use_it: impl FnOnce(SurfaceView<'_>) -> Result<T, Failure>,
-    ) -> Result<T, Failure> {
-        let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M)
-            .ok_or_else(|| "no sphere".to_owned())?;
-        use_it(SurfaceView {
-            id: ViewId::unique(),
-            body: &body,
-            camera: &camera(view),
-            size: view.image_size(),
-            surface: &surface(positions, view, self.mesh()),
-            picture: None,
-            // Of a lit face that looks away the light cap is drawn too. Beside a rim it is as near as what looks at
-            // the eye, and a rounding nearer where the cap's depth must be no nearer than what is seen.
-            draws_back_faces: true,
-        })
-    }
 }
 
 /// A device's count of the volumes' fragments, unless it is too small to be one: a pixel in shadow takes a fragment.
@@ -234,43 +206,6 @@ fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u64>, String>
         )),
         counted => Ok(counted),
     }
-}
-
-fn camera(view: &DeckCamera) -> Camera {
-    Camera {
-        eye_ecef: view.eye + DVec3::Z * SEA_RADIUS_M,
-        view_from_ecef: DMat3::from_cols(view.right, view.up, -view.forward).transpose(),
-        fov_y_rad: 2.0 * view.tan[1].atan(),
-        near_m: view.near,
-    }
-}
-
-/// What the cover reads of each volume, and of an empty list one all the same: its colour.
-fn constants(camera: &Camera, volumes: usize) -> Vec<VolumeConstants> {
-    let place = VolumePlace {
-        fixed: FixedPoint {
-            origin_ecef: camera.eye_ecef,
-            unit_m: 1.0,
-        },
-        first_vertex: 0,
-        first_triangle_index: 0,
-        first_loop_index: 0,
-        triangle_count: 0,
-        has_short_indices: false,
-    };
-    let heights = VolumeHeights {
-        top_m: 0.0,
-        bottom_m: 0.0,
-    };
-    let dark = [0.05, 0.06, 0.1, 1.0];
-    let one = VolumeConstants::new(
-        camera.eye_ecef,
-        &place,
-        heights,
-        PositionFormat::Fixed,
-        dark,
-    );
-    vec![one; volumes.max(1)]
 }
 
 fn hash(mask: &[bool]) -> String {

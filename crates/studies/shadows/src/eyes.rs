@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tests of the eye and of the near rectangle, over eyes on deck.
 
-use crate::near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, shadowed_share};
-use crate::reference::{Reference, Truth};
-use crate::view::{DeckCamera, deck_eyes, sun};
 use crate::views::Chooser;
 use crate::work::{EYES, NEARS, Scene, port_m};
 use terrafill_casters::Facing;
+use terrafill_shadow_views::{
+    Boxes, DeckCamera, EyeTest, Reference, Truth, chosen, deck_eyes, is_shadowed_at_corners,
+    shadowed_share, sun,
+};
 
 /// What a test of the eye came to over all eyes.
 #[derive(Debug, Clone, Copy, Default)]

@@ -2,20 +2,16 @@
 //! What cases compute.
 
 use crate::ablation::StencilStep;
-use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
-use crate::device::Interface;
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
-use crate::near::EyeTest;
-use crate::outline::Way;
 use crate::rivals::Rival;
-use crate::view::EYE_SIZE;
 use crate::views::{Chooser, Eyes, Place};
 use crate::way::DeviceWay;
 use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::ConditionKey;
+use terrafill_shadow_views::{EYE_SIZE, EyeTest, Interface, Rule};
 
 terrafill_results::named! {
     /// How a silhouette is found.
@@ -37,7 +33,6 @@ pub(crate) enum Job {
     Finite([f64; 2], f64),
     Row(u32, bool),
     Casters(Policy),
-    Outline(u32, Way),
     Silhouette(&'static str, Method),
     /// What a user's file holds.
     Model,
@@ -70,7 +65,7 @@ impl Job {
     ) -> Vec<(ConditionKey, [u32; 2])> {
         match self {
             Self::Harbour(..) => vec![(SIZE_PX, frame)],
-            Self::Model | Self::Outline(..) | Self::Silhouette(..) => Vec::new(),
+            Self::Model | Self::Silhouette(..) => Vec::new(),
             Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
             job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],
             _ => vec![(SIZE_PX, checked)],

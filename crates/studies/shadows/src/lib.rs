@@ -4,35 +4,26 @@
 //! After Yang & Jin (IV'06), whose only figure is a frame rate. Rays to the sun, in `f64` on the CPU, are the
 //! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
 //! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
+//! Outlines by a stencil value are a part of the study with a crate of its own, `terrafill-outlines`.
 
 mod ablation;
 mod brought;
 mod casting;
 mod chapter;
-mod count;
 mod counted;
-mod device;
 mod device_map;
 mod drawing;
 mod eyes;
-mod images;
 mod job;
 mod list;
 mod loading;
 mod maps;
 mod metrics;
-mod near;
-mod outline;
-mod reference;
 mod rivals;
-mod scissor;
-mod sea;
 mod shading;
 mod silhouettes;
-mod source;
 mod study;
 mod tiling;
-mod view;
 mod views;
 mod way;
 mod work;

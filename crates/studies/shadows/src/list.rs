@@ -6,20 +6,16 @@ mod planned;
 use self::planned::{planned, question};
 use crate::ablation::steps;
 use crate::brought::Brought;
-use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
-use crate::device::Interface;
 use crate::job::{Job, Method};
 use crate::maps::Bias;
-use crate::near::EyeTest;
-use crate::outline::Way;
 use crate::rivals::Rival;
-use crate::source::Adjacency;
 use crate::views::{Chooser, Eyes, Place};
-use crate::way::{Bounds, Counting, Cut, DeviceWay, Positions, Silhouettes};
+use crate::way::{Bounds, Counting, Cut, DeviceWay, Silhouettes};
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
 use terrafill_results::PlannedCase;
+use terrafill_shadow_views::{Adjacency, EyeTest, Interface, Positions, Rule};
 use terrafill_study::Depth;
 use terrafill_variant::FacePasses;
 
@@ -98,8 +94,6 @@ const ABOVE: [Eyes; 1] = [Eyes::At(Place::Aerial)];
 const LENGTHS: [f64; 7] = [6.0, 12.0, 25.0, 50.0, 100.0, 200.0, 400.0];
 /// Casters of rows; 255 is the most that 8 bits count.
 const ROWS: [u32; 5] = [255, 256, 257, 511, 512];
-/// Models with outlines.
-const MODELS: [u32; 4] = [254, 255, 1_000, 5_000];
 /// Meshes for silhouettes: ports, and smooth hulls of so many triangles; quick runs have the first five.
 const MESHES: [&str; 8] = [
     "port-s",
@@ -299,7 +293,7 @@ pub(crate) fn questions(
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let of_bounds = |sun, rule, (ranges, counted)| Job::Bounds(sun, rule, ranges, counted);
     let of_harbour = |sun, (eyes, interface)| Job::Harbour(sun, eyes, interface);
-    let all: [Vec<Job>; 21] = [
+    let all: [Vec<Job>; 20] = [
         vec![Job::Model],
         cross(harbour_suns, &FRAMES, of_harbour),
         under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
@@ -310,7 +304,6 @@ pub(crate) fn questions(
         cross(&[LOW_SUN], &LENGTHS, Job::Finite),
         cross(&ROWS, &[false, true], Job::Row),
         Policy::ALL.map(Job::Casters).into(),
-        cross(&MODELS, &Way::ALL, Job::Outline),
         cross(meshes, &Method::ALL, Job::Silhouette),
         under(device_suns, &BRIDGE, &of_both(device_ways), Job::Device)
             .into_iter()

@@ -4,21 +4,19 @@
 //! Casters, parts, or parts by rule are a volume each of the program's list. Over 255 volumes may lie over one
 //! pixel only in passes of 255, each of which darkens for itself.
 
-use crate::count::Rule;
-use crate::near::near_caps;
-use crate::reference::Reference;
-use crate::scissor::{NONE, joined, of_parts};
-use crate::source::{EyeVolumes, VolumeSource};
-use crate::view::DeckCamera;
-use crate::way::{Bounds, Counting, Cut, DeviceWay, count, eye_vertices};
+use crate::way::{Bounds, Counting, Cut, DeviceWay};
 use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_contract::DeviceError;
 use terrafill_core::nearest_f32;
-use terrafill_plan::{DrawnAs, NearRectangle, PixelRect};
+use terrafill_plan::{NearRectangle, PixelRect};
 use terrafill_scene::Overlap;
+use terrafill_shadow_views::{
+    DeckCamera, EyeVolumes, NONE, Reference, Rule, VolumeSource, count, eye_vertices, joined,
+    listed, near_caps, of_parts,
+};
 use terrafill_stencil::{DepthRange, DepthRule, FillCommand, FillProgram};
 use terrafill_study::Failure;
 use terrafill_variant::Switches;
@@ -190,18 +188,6 @@ fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> Depth
     DepthRange {
         low: nearest_f32(low.clamp(0.0, 1.0)),
         high: nearest_f32(high.clamp(0.0, 1.0)),
-    }
-}
-
-/// A volume over the whole depth.
-pub(crate) fn listed(screen_rect: PixelRect, geometry: usize) -> terrafill_stencil::Volume {
-    terrafill_stencil::Volume {
-        drawn_as: DrawnAs::Volume,
-        screen_rect,
-        depth: DepthRange::ANY,
-        // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
-        near_rectangle: NearRectangle::Outside,
-        geometry,
     }
 }
 

@@ -5,13 +5,11 @@
 //! azimuth. A texel holds the distance of what is nearest to the sun at its centre, in `f32`. A receiver
 //! asks the texel that it lies in. Faces turned away from the sun are dark without asking.
 
-use crate::count::Wrong;
-use crate::reference::{Seen, Truth};
-use crate::view::{DeckCamera, whole};
 use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 use terrafill_core::nearest_f32;
+use terrafill_shadow_views::{DeckCamera, Seen, Truth, Wrong, whole};
 use terrafill_study::Failure;
 
 /// The most bytes of a map.
@@ -346,8 +344,8 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::sun;
     use terrafill_casters::row;
+    use terrafill_shadow_views::sun;
 
     fn share(mapped: &Mapped) -> f64 {
         mapped.wrong.all() as f64 / mapped.judged as f64

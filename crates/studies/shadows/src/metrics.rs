@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Conditions of the study's cases, and what it measures of them.
 
+use terrafill_outlines as outlines;
 use terrafill_results::{Kind, Metric, Primary, Scope};
 
 terrafill_results::conditions! {
@@ -18,9 +19,9 @@ terrafill_results::conditions! {
     LENGTH_M = "length_m", "length of volumes, metres";
     MESH = "mesh", "which model is cast";
     MODEL = "model", "which model casts";
-    MODELS = "models", "how many models are outlined";
+    MODELS = outlines::MODELS.name(), "how many models are outlined";
     NEAR_M = "near_m", "distance of the near plane, metres";
-    OUTLINE = "outline", "how contours within a model are left out";
+    OUTLINE = outlines::OUTLINE.name(), "how contours within a model are left out";
     PAPER = "paper", "what the paper says of the step";
     POLICY = "policy", "what becomes of a mesh with open edges: refused, closed by caps, counted by its own edges, or taken as it is";
     POSITIONS = "positions", "where coordinates begin: at the eye, or at an origin so far away";
@@ -30,8 +31,12 @@ terrafill_results::conditions! {
     SCISSOR = "scissor", "what the stencil is restricted to";
     SILHOUETTE = "silhouette", "how the edges are found from which volumes are made";
     STEP = "step", "of the ablation: what is changed against the step before";
+    STROKE_PX = outlines::STROKE_PX.name(), "width of strokes along contours, pixels";
     SUN = "sun", "elevation of the sun, and its azimuth";
     TEXEL_M = "texel_m", "side of a texel of the map, metres";
+    "value" = "each model has a stencil value of its own; strokes are kept where the stencil differs from it";
+    "value as printed" = "strokes are kept where the stencil is equal";
+    "value, never cleared" = "values come round without a clear: a negative control";
     "z-pass" = "front faces in front of the surface count +1, back faces there −1";
     "z-fail" = "back faces behind the surface count +1, front faces there −1";
     "preload" = "all volumes are counted without the surface first, then those in front of it the other way";
@@ -240,14 +245,13 @@ terrafill_results::metrics! {
     );
     SHADOW_VOLUME_TRIANGLES = Metric::quantity("shadow_volume_triangles", "Triangles of all volumes.");
     SHADOW_MAX_OVERLAP = Metric::quantity("shadow_max_overlap", "Largest count of a pixel.");
-    SHADOW_CONTOUR_PX = Metric::error_px(
-        "shadow_contour_px",
-        "Contour pixels of outlines that are drawn inside their model or left out beside it.",
-    );
-    SHADOW_CLEARS = Metric::counter(
-        "shadow_clears",
-        "Clears of the stencil for outlines, the first included.",
-    );
+    OUTLINE_CPU_MS = *outlines::OUTLINE_CPU_MS;
+    OUTLINE_GPU_MS = *outlines::OUTLINE_GPU_MS;
+    SHADOW_CONTOUR_PX = *outlines::SHADOW_CONTOUR_PX;
+    SHADOW_CLEARS = *outlines::SHADOW_CLEARS;
+    SHADOW_OUTLINE_UNLIKE_PX = *outlines::SHADOW_OUTLINE_UNLIKE_PX;
+    SHADOW_OUTLINE_PX = *outlines::SHADOW_OUTLINE_PX;
+    SHADOW_OUTLINE_UNDECIDED_PX = *outlines::SHADOW_OUTLINE_UNDECIDED_PX;
 }
 
 /// Note of why a device's count of fragments is left out.

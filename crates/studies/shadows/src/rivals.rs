@@ -14,13 +14,11 @@ mod on_wgpu;
 use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
-use crate::device::Interface;
 use crate::drawing::{DeviceDrawn, Kept};
-use crate::view::DeckCamera;
-use crate::way::{Positions, count};
 use crate::work::Scene;
 use terrafill_contract::Devices;
 use terrafill_core::nearest_f32;
+use terrafill_shadow_views::{DeckCamera, Interface, Positions, count, seen_by};
 use terrafill_study::Failure;
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to
@@ -56,7 +54,7 @@ impl Scene {
     ) -> Result<DeviceDrawn, Failure> {
         self.draw_channels(None, Kept::Darkest, |view, _| {
             let casting = self.casting(view, rival, margin_px);
-            self.seen_by(Positions::Eye, view, |seen| {
+            seen_by(Positions::Eye, view, self.mesh(), |seen| {
                 Ok(match rival {
                     Rival::Tiles => Tiles::open(devices, seen, &casting)?,
                     Rival::Rays => Rays::open(devices, seen, &casting)?,

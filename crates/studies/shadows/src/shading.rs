@@ -8,10 +8,9 @@
 mod patterns;
 
 use self::patterns::{Material, materials};
-use crate::reference::{Seen, Truth};
-use crate::view::DeckCamera;
 use crate::work::Scene;
 use glam::DVec3;
+use terrafill_shadow_views::{DeckCamera, Seen, Truth};
 
 /// Share of its light that a face keeps in shadow.
 pub(crate) const AMBIENT: f64 = 0.6;
@@ -157,8 +156,8 @@ fn bytes(colour: DVec3) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Light;
     use crate::views::Place;
+    use terrafill_shadow_views::Light;
 
     #[test]
     fn a_shadow_keeps_its_share_of_light_and_a_picture_shows_its_mask() {

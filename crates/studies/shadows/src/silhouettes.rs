@@ -5,11 +5,13 @@
 //! facing in `f32` instead, as engines do, from corners in the order in which they have them. There the edges
 //! of one triangle may disagree where it is edge-on.
 
-use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
-use crate::view::DeckCamera;
-use crate::way::{DeviceWay, Positions, Silhouettes, count, eye_vertices};
+use crate::way::{DeviceWay, Silhouettes};
 use crate::work::{End, Scene};
 use terrafill_casters::{EdgeTable, Mesh, Side, Volume};
+use terrafill_shadow_views::{
+    Adjacency, Adjacent, Computed, DeckCamera, EyeMesh, IS_CAP, Positions, VolumeSource, count,
+    eye_vertices,
+};
 use terrafill_study::Failure;
 
 /// An edge, from its lower to its higher vertex, and the triangles that have it so and the other way round.

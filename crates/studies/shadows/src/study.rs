@@ -9,14 +9,12 @@ mod on_devices;
 use self::meshes::Ready;
 use crate::STUDY;
 use crate::brought::{Brought, SETTING};
-use crate::device::Draws;
 use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
 use crate::job::Job;
 use crate::list::questions;
 use crate::maps::Map;
-use crate::metrics::{METRICS, SHADOW_MAP_CPU_MS, TIME};
-use crate::view::bridge;
+use crate::metrics::{METRICS, QUESTION, SHADOW_MAP_CPU_MS, TIME};
 use crate::views::Place;
 use crate::work::{End, Scene, closed, port_m};
 use std::collections::BTreeMap;
@@ -24,6 +22,7 @@ use std::rc::Rc;
 use terrafill_casters::EdgeTable;
 use terrafill_contract::{CpuStopwatch, FrameTimes};
 use terrafill_results::{PlannedCase, Verdict};
+use terrafill_shadow_views::{Draws, bridge};
 use terrafill_study::{
     CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
     StudyError, size_name, verified,
@@ -109,8 +108,13 @@ impl Study for ShadowsStudy {
                 },
             })
         });
+        let outlines = match brought {
+            // Its models are seen from elsewhere.
+            Some(_) => Vec::new(),
+            None => terrafill_outlines::planned(STUDY, (QUESTION, "outlines"), request),
+        };
         Ok(Planned {
-            groups: groups.collect(),
+            groups: groups.chain(outlines).collect(),
             ..Planned::default()
         })
     }

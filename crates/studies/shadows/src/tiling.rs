@@ -89,7 +89,7 @@ pub(crate) fn tiled(volumes: &[Volume], size: ImageSize, depth: &[f32]) -> Vec<V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::loading::listed;
+    use terrafill_shadow_views::listed;
 
     #[test]
     fn a_volume_is_drawn_where_depths_are_in_its_range_and_nowhere_else() {

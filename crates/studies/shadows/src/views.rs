@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Eyes in the port beside the bridge and the deck, each of which is hard in a way of its own.
 
-use crate::count::{Pass, Rule};
-use crate::near::{Boxes, EyeTest, chosen};
-use crate::reference::Reference;
-use crate::view::DeckCamera;
 use crate::work::{ChannelTotals, End, Scene};
 use glam::DVec3;
+use terrafill_shadow_views::{Boxes, DeckCamera, EyeTest, Pass, Reference, Rule, chosen};
 
 terrafill_results::named! {
     /// A view of the port.
@@ -136,8 +133,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::near::shadowed_share;
-    use crate::reference::{Light, Seen};
+    use terrafill_shadow_views::{Light, Seen, shadowed_share};
 
     #[test]
     fn the_view_from_a_height_looks_down_on_casters_sea_and_their_shadows() {

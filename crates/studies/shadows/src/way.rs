@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a device draws volumes: where silhouettes are found, what places count from, which rule counts.
 
-use crate::count::Rule;
-use crate::device::Interface;
-use crate::near::EyeTest;
-use crate::source::Adjacency;
-use crate::view::DeckCamera;
 use crate::work::End;
-use glam::{DVec3, Vec3};
-use terrafill_casters::Volume;
+use terrafill_shadow_views::{Adjacency, EyeTest, Interface, Positions, Rule};
 use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 
 /// Where silhouettes are found.
@@ -45,35 +39,6 @@ impl Silhouettes {
     /// Whether a shader computes the facing in `f32`, each edge for itself.
     pub(crate) fn decides_by_corners(self) -> bool {
         matches!(self, Self::Corners | Self::Geometry(Adjacency::Corners))
-    }
-}
-
-/// What the numbers of vertices count from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Positions {
-    /// The eye: subtracted in `f64`, then rounded.
-    Eye,
-    /// An origin so many metres from the port: rounded to `f32`, then the eye subtracted, as rounded.
-    World(f64),
-}
-
-impl Positions {
-    pub(crate) fn name(self) -> String {
-        match self {
-            Self::Eye => "from the eye".to_owned(),
-            Self::World(m) => format!("f32, origin {} km away", m / 1e3),
-        }
-    }
-
-    pub(crate) fn relative(self, place: DVec3, eye: DVec3) -> Vec3 {
-        match self {
-            Self::Eye => (place - eye).as_vec3(),
-            Self::World(m) => {
-                // Along no axis, as places on a planet lie.
-                let port = DVec3::ONE.normalize() * m;
-                (port + place).as_vec3() - (port + eye).as_vec3()
-            }
-        }
     }
 }
 
@@ -176,27 +141,4 @@ impl DeviceWay {
             ..Switches::default()
         }
     }
-}
-
-/// Vertices of volumes as this eye has them: bits of `f32`.
-pub(crate) fn eye_vertices(
-    positions: Positions,
-    view: &DeckCamera,
-    volume: &Volume,
-) -> Vec<[u32; 4]> {
-    let places = volume.vertices.iter().map(|place| {
-        let is_place = place.w > 0.0;
-        let along = if is_place {
-            positions.relative(place.truncate(), view.eye)
-        } else {
-            place.truncate().as_vec3()
-        };
-        let w = f32::from(u8::from(is_place));
-        along.extend(w).to_array().map(f32::to_bits)
-    });
-    places.collect()
-}
-
-pub(crate) fn count(length: usize) -> u32 {
-    u32::try_from(length).unwrap_or(u32::MAX)
 }

@@ -6,17 +6,17 @@ mod staged;
 
 pub(crate) use self::rounding::ROUNDING_PX;
 
-use crate::count::{Pass, Rule, Stencil, Wrong};
-use crate::reference::{Light, Reference, Seen, Truth};
-use crate::scissor::{above_horizon, around_pixels, depths_of_parts, of_parts};
-#[cfg(test)]
-use crate::view::bridge;
-use crate::view::{DeckCamera, sun};
 use glam::DVec3;
 use std::cell::OnceCell;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, feet_below_sea,
     port, sea_level_below,
+};
+#[cfg(test)]
+use terrafill_shadow_views::bridge;
+use terrafill_shadow_views::{
+    DeckCamera, Light, Pass, Reference, Rule, Seen, Stencil, Truth, Wrong, above_horizon,
+    around_pixels, depths_of_parts, of_parts, sun,
 };
 
 /// Eyes on deck.

@@ -12,11 +12,18 @@ pub(super) const CLAIMS: StudyClaims = StudyClaims {
         "papers/yang-jin-2006.toml",
         include_str!("../../../../../papers/yang-jin-2006.toml"),
     ],
-    times: &[ClaimedTime {
-        name: "shadows",
-        by: [FILL_GPU, FILL_CPU],
-        needs: Scope::DISPATCH.and(Scope::DRAW),
-    }],
+    times: &[
+        ClaimedTime {
+            name: "shadows",
+            by: [FILL_GPU, FILL_CPU],
+            needs: Scope::DISPATCH.and(Scope::DRAW),
+        },
+        ClaimedTime {
+            name: "outlines",
+            by: [OUTLINE_GPU_MS, OUTLINE_CPU_MS],
+            needs: Scope::DRAW,
+        },
+    ],
     metrics: &METRICS,
     findings: |_| Vec::new(),
     page: [""; 2],

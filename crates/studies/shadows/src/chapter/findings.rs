@@ -75,7 +75,6 @@ impl<'a> Own<'a> {
             self.beyond_the_range(),
             self.above_the_sea(),
             self.below_the_sea_level(),
-            self.clears(),
             self.wrap(),
             self.devices(),
         ];
@@ -89,8 +88,9 @@ impl<'a> Own<'a> {
             self.volumes_or_maps(),
         ];
         let of_times = self.times();
+        let of_outlines = terrafill_outlines::findings(&self.question("outlines")).into_iter();
         let all = of_masks.into_iter().chain(of_times).chain(of_pixels);
-        all.flatten().collect()
+        all.flatten().chain(of_outlines).collect()
     }
 
     /// Wrong pixels of a case, outside the band.
@@ -358,26 +358,6 @@ impl<'a> Own<'a> {
                 significant(own),
                 significant(caster)
             ),
-        ))
-    }
-
-    fn clears(&self) -> Option<Finding> {
-        let all = self.of_question("outlines");
-        let all = all.filter(|case| case.condition(OUTLINE) == "value");
-        let pair = |case: &Case| {
-            let models = case.condition(MODELS).parse().ok()?;
-            Some((models, measured(case, SHADOW_CLEARS)?))
-        };
-        let pairs: Option<Vec<(f64, f64)>> = all.map(pair).collect();
-        let pairs = pairs?;
-        let text = pairs.iter();
-        let text = text.map(|(models, clears)| format!("{models}: {clears}"));
-        let text = joined(text, ", ")?;
-        let is_as_said = |(models, clears): &(f64, f64)| *clears == 1.0 + (models / 255.0).floor();
-        Some(finding(
-            "A stencil value for each model takes 1 + ⌊N/255⌋ clears.",
-            pairs.iter().all(is_as_said),
-            format!("Clears by models: {text}"),
         ))
     }
 

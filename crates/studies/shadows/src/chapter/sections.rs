@@ -247,16 +247,7 @@ pub(super) const SECTIONS: [Section<'static>; 21] = [
         &[POLICY],
         &[MESH_SIZE, SHADE_PX, LIT_PX, DARK_PX, MAX_COUNT, WRITES],
     ),
-    section(
-        ["outlines", "Outlines by a stencil value"],
-        "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
-             test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
-        &[MODELS, OUTLINE],
-        &[
-            column("clears", SHADOW_CLEARS),
-            column("contour pixels wrong", SHADOW_CONTOUR_PX),
-        ],
-    ),
+    terrafill_outlines::SECTION,
     Section {
         drawing: Some(Drawing {
             caption: "Time of a silhouette against triangles. Ports are boxes; hulls are smooth and have fewer sides.",

@@ -2,7 +2,7 @@
 //! Findings stand and fall by their figures.
 
 use super::*;
-use crate::metrics::{FILL_CPU, FILL_GPU, LOST, UPDATES};
+use crate::metrics::*;
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{Chapter as _, Standing};
 
@@ -349,4 +349,38 @@ fn a_frame_is_within_a_budget_where_its_interval_is() {
     // Negative controls: over both, and one process, which has no interval.
     assert_eq!(standings(50.0, 7), [Some(DoesNotHold); 2]);
     assert_eq!(standings(20.0, 1), [Some(CannotTell); 2]);
+}
+
+#[test]
+fn a_value_for_each_model_stands_by_its_clears_its_picture_and_its_time() {
+    let of = |clears: f64, unlike: f64, ms: f64| {
+        let mut run = MadeUpRun {
+            metrics: crate::metrics::METRICS.to_vec(),
+            ..MadeUpRun::default()
+        };
+        for (way, clears, unlike, ms) in [("clear", 255.0, 0.0, 2.0), ("value", clears, unlike, ms)]
+        {
+            let conditions = [
+                ("question", "outlines"),
+                ("models", "255"),
+                ("outline", way),
+            ];
+            let name = format!("outlines/{way}");
+            run.case(case_id(crate::STUDY, &name, &conditions))
+                .figure(SHADOW_CLEARS, clears)
+                .figure(SHADOW_CONTOUR_PX, 0.0)
+                .figure(SHADOW_OUTLINE_UNLIKE_PX, unlike)
+                .timed(OUTLINE_CPU_MS, &[ms; 5]);
+        }
+        let claims = [
+            "takes 1 + ⌊N/255⌋ clears",
+            "leaves out the same",
+            "is faster than a clear",
+        ];
+        claims.map(|claim| finding(&run, claim))
+    };
+    use Standing::{DoesNotHold, Holds};
+    assert_eq!(of(2.0, 0.0, 1.0), [Some(Holds); 3]);
+    // Negative controls: a clear too many, a pixel that differs, and no time gained.
+    assert_eq!(of(3.0, 1.0, 3.0), [Some(DoesNotHold); 3]);
 }

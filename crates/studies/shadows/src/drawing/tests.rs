@@ -2,10 +2,10 @@
 //! Devices' depth bounds with a twin that is too tight, and a rim with a twin that is culled.
 
 use super::*;
-use crate::device::Interface;
-use crate::view::sun;
 use crate::work::Scene;
+use glam::DVec3;
 use terrafill_casters::Mesh;
+use terrafill_shadow_views::{Interface, sun};
 use terrafill_stencil::DepthRange;
 
 fn way(bounds: Bounds) -> DeviceWay {

@@ -3,18 +3,15 @@
 
 use crate::STUDY;
 use crate::brought::Brought;
-use crate::count::Rule;
 use crate::counted::{Counted, Ranges};
-use crate::device::Interface;
 use crate::job::{Job, Method, sun_name};
 use crate::metrics::*;
-use crate::near::EyeTest;
-use crate::outline::Way;
 use crate::views::{Chooser, Eyes};
-use crate::way::{Counting, Positions};
+use crate::way::Counting;
 use crate::work::Scissor;
 use terrafill_casters::Policy;
 use terrafill_results::{ConditionKey, PlannedCase};
+use terrafill_shadow_views::{EyeTest, Interface, Positions, Rule};
 use terrafill_study::planned_case;
 use terrafill_variant::FacePasses;
 
@@ -95,11 +92,6 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![is(POLICY, policy.name())];
             ("casters", conditions, policy == Policy::AsIs)
         }
-        Job::Outline(count, way) => (
-            "outlines",
-            vec![is(MODELS, count), is(OUTLINE, way.name())],
-            matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
-        ),
         Job::Silhouette(mesh, method) => {
             // A user's mesh has no name.
             let mesh_name = (!mesh.is_empty()).then(|| is(MESH, mesh));

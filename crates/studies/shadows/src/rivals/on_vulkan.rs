@@ -2,9 +2,9 @@
 //! Rays to the sun, by ray queries in a compute shader on Vulkan.
 
 use crate::casting::{Casting, mask_of};
-use crate::device::{Channel, Draws};
 use std::sync::Arc;
 use terrafill_contract::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_shadow_views::{Channel, Draws};
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, Dispatch, Gpu, RenderTargets, Resource, Resources, Shader,
     StateStep, TriangleTree, advance, shared_gpu,

@@ -2,10 +2,10 @@
 //! The hierarchy of tiles, by compute on wgpu.
 
 use crate::casting::{Casting, mask_of};
-use crate::device::{Channel, Draws};
 use std::sync::Arc;
 use terrafill_contract::{Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_gpu::{Gpu, PassTimer, RenderTargets, TimedPass, read_buffer, shared_gpu};
+use terrafill_shadow_views::{Channel, Draws};
 
 const SHADER: &str = "casters/tiles.wgsl";
 /// Invocations of a group.

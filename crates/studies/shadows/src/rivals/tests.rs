@@ -2,10 +2,10 @@
 //! Rivals against the reference, and twins that must be wrong.
 
 use super::*;
-use crate::view::bridge;
 use std::mem::offset_of;
 use terrafill_casters::{PortSize, port};
 use terrafill_shaders::struct_layout;
+use terrafill_shadow_views::bridge;
 
 #[test]
 fn receivers_lie_as_the_shaders_have_them() {

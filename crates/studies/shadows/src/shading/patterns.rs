@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the port's parts are made of, told by their model's name and their size, and the colour of each place.
 
-use crate::view::box_of;
 use glam::DVec3;
 use terrafill_casters::Mesh;
+use terrafill_shadow_views::box_of;
 
 /// Height of a container and of a storey, m, as the port has them.
 const CONTAINER_M: f64 = 2.59;

@@ -3,21 +3,17 @@
 
 use super::Answering;
 use super::meshes::{Ready, SILHOUETTE_SUN, ready};
-use crate::count::{Rule, Wrong};
 use crate::counted::{Counted, Ranges};
 use crate::eyes::EyeTable;
-use crate::images;
 use crate::job::{Job, Method};
 use crate::maps::Mapped;
 use crate::metrics::MOSTLY;
-use crate::near::EyeTest;
-use crate::outline::{Way, outlines};
-use crate::view::sun;
 use crate::views::Chooser;
 use crate::work::{BOUNDS_SHARE, ChannelTotals, End, NEARS, Pixels, Scene, Scissor};
 use std::path::Path;
 use terrafill_casters::{Extent, Policy, Volume};
 use terrafill_results::{Status, Verdict};
+use terrafill_shadow_views::{EyeTest, Rule, Wrong, sun, write};
 use terrafill_study::{Failure, Figures, judged};
 
 fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
@@ -85,7 +81,7 @@ fn picture(
 ) -> Result<(&'static str, String), String> {
     let at = scene.darkest_channel()?;
     let mask = masks.map(|masks| masks[at].as_slice());
-    let path = images::write(folder, name, &scene.channels[at].1, mask)?;
+    let path = write(folder, name, &scene.channels[at].1, mask)?;
     Ok(match mask {
         Some(_) => ("image", path),
         None => ("reference_image", path),
@@ -179,20 +175,6 @@ impl Answering<'_> {
                     Err(error) => Err(error.to_string().into()),
                 }
             }
-            Job::Outline(models, way) => {
-                let (clears, wrong) = outlines(models, way);
-                let expected = match way {
-                    Way::Clear => u64::from(models),
-                    Way::Value | Way::ValueAsPrinted => 1 + u64::from(models / 255),
-                    Way::ValueNeverCleared => 1,
-                };
-                let reason = format!("{wrong} contour pixels wrong, {clears} clears of {expected}");
-                let figures = vec![
-                    ("shadow_clears", clears as f64),
-                    ("shadow_contour_px", wrong as f64),
-                ];
-                Ok(verdict(wrong == 0 && clears == expected, reason, figures))
-            }
             Job::Silhouette(mesh, method) => Ok(self.silhouette(mesh, method)?),
             Job::Model => {
                 let own = self.question.brought.as_deref();
@@ -263,7 +245,7 @@ impl Answering<'_> {
                 ("exact_image", "exact", Some(&exact)),
             ] {
                 let name = format!("eye-{}-{what}", sun[0]);
-                let path = images::write(folder, &name, &truth, mask.map(Vec::as_slice))?;
+                let path = write(folder, &name, &truth, mask.map(Vec::as_slice))?;
                 verdict.notes.push((key, path));
             }
         }

@@ -5,17 +5,15 @@ use super::Answering;
 use super::answers::verdict_of;
 use super::on_devices::device_figures;
 use crate::ablation::optimised;
-use crate::device::Interface;
 use crate::drawing::Kept;
-use crate::images;
 use crate::job::sun_name;
 use crate::metrics::{FRAME_CPU, FRAME_GPU, FRAME_WALL};
 use crate::shading::{Painter, strip};
-use crate::view::bridge;
 use crate::views::Eyes;
 use crate::work::{Scene, closed, port_m};
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::Verdict;
+use terrafill_shadow_views::{Interface, bridge, picture};
 use terrafill_study::{Failure, Figures, file_stem, verified, write_photo, write_rgb};
 
 impl Answering<'_> {
@@ -52,7 +50,7 @@ impl Answering<'_> {
         let channels = || scene.channels.iter().zip(&drawn.kept);
         let by_day =
             channels().map(|((view, truth), (_, mask))| painter.picture(view, truth, mask));
-        let judged = channels().map(|((_, truth), (_, mask))| images::picture(truth, Some(mask)));
+        let judged = channels().map(|((_, truth), (_, mask))| picture(truth, Some(mask)));
         let by_day = strip(&by_day.collect::<Vec<_>>(), size);
         let judged = strip(&judged.collect::<Vec<_>>(), size);
         let count = u32::try_from(scene.channels.len()).unwrap_or(u32::MAX);

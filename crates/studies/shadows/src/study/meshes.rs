@@ -3,10 +3,10 @@
 
 use crate::brought::Brought;
 use crate::job::Method;
-use crate::view::sun;
 use terrafill_casters::{
     EdgeTable, Facing, Mesh, Policy, PortSize, Prepared, Side, by_hash, by_stack, hull, port,
 };
+use terrafill_shadow_views::sun;
 
 /// Sun of silhouettes: every mesh has faces to and from it.
 pub(super) const SILHOUETTE_SUN: [f64; 2] = [30.0, -60.0];

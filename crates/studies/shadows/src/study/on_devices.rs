@@ -4,10 +4,8 @@
 use super::answers::{map_figures, percent, seen_figures, verdict_of};
 use super::{Answering, MAX_DIFFERS};
 use crate::ablation::StencilStep;
-use crate::count::Wrong;
 use crate::device_map::{DeviceMap, differing};
 use crate::drawing::{DeviceDrawn, Kept};
-use crate::images;
 use crate::job::Job;
 use crate::maps::{Bias, Frame};
 use crate::metrics::MISCOUNTED;
@@ -16,6 +14,7 @@ use crate::views::Eyes;
 use crate::work::{End, Pixels, Scene};
 use terrafill_casters::EdgeTable;
 use terrafill_results::{Status, Verdict};
+use terrafill_shadow_views::{Wrong, write};
 use terrafill_study::{Failure, Figures, size_name};
 
 pub(super) fn device_figures(drawn: &DeviceDrawn, pixels: Pixels, is_of_volumes: bool) -> Figures {
@@ -172,7 +171,7 @@ impl Answering<'_> {
         let (channel, mask) = drawn.kept.pop().ok_or_else(|| "no channel".to_owned())?;
         let (_, truth) = shown.darkest()?;
         let name = format!("{question}-{case}");
-        let path = images::write(context.folder, &name, truth, Some(&mask))?;
+        let path = write(context.folder, &name, truth, Some(&mask))?;
         verdict.notes.push(("image", path));
         verdict.notes.push(("mask_hash", drawn.mask_hash));
         if !drawn.miscounted.is_empty() {

@@ -2,9 +2,8 @@
 //! Where a device's rounding alone may make the difference.
 
 use super::Scene;
-use crate::reference::{Light, Reference};
-use crate::view::DeckCamera;
 use glam::DVec3;
+use terrafill_shadow_views::{DeckCamera, Light, Reference};
 
 /// How far beside a pixel's centre a device may look: rasterisers round corners to 1/256 of a pixel, and a
 /// triangle thinner than some of these steps has any depth across it.

@@ -2,13 +2,10 @@
 //! Scenes that are set up for one question each.
 
 use super::{ChannelTotals, EYES, End, NEARS, Scene, port_m};
-use crate::count::Rule;
-use crate::near::shadowed_share;
-use crate::reference::Reference;
-use crate::view::{DeckCamera, deck_eyes, sun};
 use glam::{DVec2, DVec3};
 use terrafill_casters::{Mesh, MeshError, Policy, hull, row};
 use terrafill_results::SplitMix64;
+use terrafill_shadow_views::{DeckCamera, Reference, Rule, deck_eyes, shadowed_share, sun};
 
 /// Boxes along either axis, their size, m, and their seed.
 const BOXES: [u32; 2] = [8, 12];

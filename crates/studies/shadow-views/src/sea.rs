@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What devices draw shadows on: the casters, and the sea as rings about the foot of the eye.
 
+use crate::positions::{Positions, count};
 use crate::reference::SEA_RADIUS_M;
 use crate::view::DeckCamera;
-use crate::way::{Positions, count};
 use glam::DVec3;
 use std::iter::successors;
 use terrafill_casters::Mesh;
@@ -19,7 +19,7 @@ const RING_RATIO: f64 = 1.1;
 const NEAREST_SHARE: f64 = 1e-3;
 
 /// Sea and casters from the eye.
-pub(crate) fn surface(positions: Positions, view: &DeckCamera, mesh: &Mesh) -> SurfaceFrame {
+pub fn surface(positions: Positions, view: &DeckCamera, mesh: &Mesh) -> SurfaceFrame {
     let (sea, sea_triangles) = sea(view);
     let all = mesh.vertices.iter().chain(&sea);
     let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());

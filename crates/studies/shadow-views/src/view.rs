@@ -14,28 +14,32 @@ const WALKER_M: f64 = 1.7 + 7.2;
 /// Seed of the eyes on deck.
 const EYES_SEED: u64 = 400;
 /// Pixels of what an eye on deck sees.
-pub(crate) const EYE_SIZE: [u32; 2] = [200, 150];
+pub const EYE_SIZE: [u32; 2] = [200, 150];
 
 /// A camera on the bridge, on deck, or made up by a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct DeckCamera {
-    pub(crate) eye: DVec3,
-    pub(crate) forward: DVec3,
-    pub(crate) right: DVec3,
-    pub(crate) up: DVec3,
+pub struct DeckCamera {
+    /// m.
+    pub eye: DVec3,
+    /// Unit vector.
+    pub forward: DVec3,
+    /// Unit vector.
+    pub right: DVec3,
+    /// Unit vector.
+    pub up: DVec3,
     /// Tangents of half the field of view.
-    pub(crate) tan: [f64; 2],
+    pub tan: [f64; 2],
     /// Distance of the near plane, m.
-    pub(crate) near: f64,
+    pub near: f64,
     /// Pixels.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
 }
 
 impl DeckCamera {
     /// A level camera.
     ///
     /// - `azimuth_deg`: counter-clockwise from x
-    pub(crate) fn level(eye: DVec3, azimuth_deg: f64, near: f64, size: [u32; 2]) -> Self {
+    pub fn level(eye: DVec3, azimuth_deg: f64, near: f64, size: [u32; 2]) -> Self {
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
         let half = (CHANNEL_DEG / 2.0).to_radians().tan();
         // Square pixels, as devices have them: 29.4° high at 4 : 3.
@@ -52,7 +56,7 @@ impl DeckCamera {
     }
 
     /// The same camera, looking down from the level.
-    pub(crate) fn turned_down(mut self, degrees: f64) -> Self {
+    pub fn turned_down(mut self, degrees: f64) -> Self {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (forward, up) = (self.forward, self.up);
         self.forward = forward * cos - up * sin;
@@ -61,31 +65,31 @@ impl DeckCamera {
     }
 
     /// The same channel in a picture of another size: as wide, and as high as square pixels make it.
-    pub(crate) fn sized(mut self, size: [u32; 2]) -> Self {
+    pub fn sized(mut self, size: [u32; 2]) -> Self {
         self.tan[1] = self.tan[0] * f64::from(size[1]) / f64::from(size[0]);
         self.size = size;
         self
     }
 
     /// The middle of the same channel at so many pixels across it: they are finer, and as many as before.
-    pub(crate) fn middle_of(mut self, columns: f64) -> Self {
+    pub fn middle_of(mut self, columns: f64) -> Self {
         let share = f64::from(self.size[0]) / columns;
         self.tan = self.tan.map(|tan| tan * share);
         self
     }
 
     /// Direction through a place of the image, −1…1 rightwards and upwards; 1 m deep.
-    pub(crate) fn towards(&self, x: f64, y: f64) -> DVec3 {
+    pub fn towards(&self, x: f64, y: f64) -> DVec3 {
         self.forward + self.right * (x * self.tan[0]) + self.up * (y * self.tan[1])
     }
 
     /// Direction through a pixel's centre; rows downwards.
-    pub(crate) fn ray(&self, column: u32, row: u32) -> DVec3 {
+    pub fn ray(&self, column: u32, row: u32) -> DVec3 {
         self.ray_beside(column, row, [0.0; 2])
     }
 
     /// The same, so many pixels beside it.
-    pub(crate) fn ray_beside(&self, column: u32, row: u32, [right, down]: [f64; 2]) -> DVec3 {
+    pub fn ray_beside(&self, column: u32, row: u32, [right, down]: [f64; 2]) -> DVec3 {
         let share = |at: u32, beside: f64, of: u32| {
             (2.0 * (f64::from(at) + beside) + 1.0) / f64::from(of) - 1.0
         };
@@ -94,27 +98,29 @@ impl DeckCamera {
     }
 
     /// Corners of the near rectangle, in turn.
-    pub(crate) fn near_corners(&self) -> [DVec3; 4] {
+    pub fn near_corners(&self) -> [DVec3; 4] {
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         corners.map(|[x, y]| self.eye + self.towards(x, y) * self.near)
     }
 
-    pub(crate) fn image_size(&self) -> ImageSize {
+    /// Of its picture.
+    pub fn image_size(&self) -> ImageSize {
         let [width, height] = self.size;
         ImageSize { width, height }
     }
 
     /// All pixels.
-    pub(crate) fn whole(&self) -> PixelRect {
+    pub fn whole(&self) -> PixelRect {
         PixelRect::full(self.image_size())
     }
 
-    pub(crate) fn pixel_count(&self) -> usize {
+    /// Of its picture.
+    pub fn pixel_count(&self) -> usize {
         self.image_size().pixel_count()
     }
 
     /// Column and row of the pixel of this index.
-    pub(crate) fn pixel(&self, at: usize) -> [u32; 2] {
+    pub fn pixel(&self, at: usize) -> [u32; 2] {
         let width = self.size[0] as usize;
         [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0))
     }
@@ -122,12 +128,12 @@ impl DeckCamera {
 
 /// A place in a picture or a grid without its fraction. Whoever calls makes sure that it lies there.
 #[allow(clippy::cast_possible_truncation, reason = "from 0 to below 2³²")]
-pub(crate) fn whole(place: f64) -> u32 {
+pub fn whole(place: f64) -> u32 {
     place as u32
 }
 
 /// Least and greatest coordinates of places.
-pub(crate) fn box_of<'a>(places: impl IntoIterator<Item = &'a DVec3>) -> [DVec3; 2] {
+pub fn box_of<'a>(places: impl IntoIterator<Item = &'a DVec3>) -> [DVec3; 2] {
     let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let places = places.into_iter();
     places.fold(none, |[low, high], place| {
@@ -136,14 +142,14 @@ pub(crate) fn box_of<'a>(places: impl IntoIterator<Item = &'a DVec3>) -> [DVec3;
 }
 
 /// A unit vector towards the sun.
-pub(crate) fn sun([elevation_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
+pub fn sun([elevation_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
     let (sin, cos) = elevation_deg.to_radians().sin_cos();
     let (y, x) = azimuth_deg.to_radians().sin_cos();
     DVec3::new(cos * x, cos * y, sin)
 }
 
 /// Seven channels over 270°, 30 m up on own ship.
-pub(crate) fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
+pub fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
     let (sin, cos) = 25_f64.to_radians().sin_cos();
     let eye = DVec3::new(-60.0 - 55.0 * cos, -140.0 - 55.0 * sin, 30.0);
     let channel = |at: i32| DeckCamera::level(eye, 25.0 + CHANNEL_DEG * f64::from(at), 0.5, size);
@@ -151,7 +157,7 @@ pub(crate) fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
 }
 
 /// Seeded eyes on the dock, outside every part of it.
-pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<DeckCamera> {
+pub fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<DeckCamera> {
     let mut random = SplitMix64::new(EYES_SEED);
     let mut eyes = Vec::with_capacity(count);
     while eyes.len() < count {

@@ -15,8 +15,10 @@ use terrafill_variant::Switches;
 
 terrafill_results::named! {
     /// An interface that draws.
-    all pub(crate) enum Interface {
+    all pub enum Interface {
+        /// By wgpu.
         Wgpu = terrafill_gpu::API.name,
+        /// By the project's own layer over Vulkan.
         Vulkan = terrafill_vulkan::API.name,
     }
 }
@@ -25,7 +27,7 @@ impl Interface {
     /// What is seen, and the program over its volumes, ready to be drawn into targets of its own.
     ///
     /// - `has_bounds`: the device tests the surface's depth against the range of each volume
-    pub(crate) fn open(
+    pub fn open(
         self,
         devices: &Devices,
         (switches, has_bounds): (&Switches, bool),
@@ -59,10 +61,10 @@ impl Interface {
 }
 
 /// Another program for what is seen, by its depths.
-pub(crate) type Retile = Box<dyn Fn(&Picture) -> Result<StencilWork, DeviceError>>;
+pub type Retile = Box<dyn Fn(&Picture) -> Result<StencilWork, DeviceError>>;
 
 /// Draws one view.
-pub(crate) trait Draws {
+pub trait Draws {
     /// Counts, and which pixels are in shadow.
     fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError>;
 
@@ -71,14 +73,15 @@ pub(crate) trait Draws {
 }
 
 /// What draws a channel.
-pub(crate) struct Channel {
-    pub(crate) draws: Box<dyn Draws>,
+pub struct Channel {
+    /// Draws it.
+    pub draws: Box<dyn Draws>,
     /// Of what it holds, and of it what another sun changes.
-    pub(crate) bytes: [u64; 2],
+    pub bytes: [u64; 2],
     /// GPU time of what is built once for casters that rest.
-    pub(crate) build_ms: Option<f64>,
+    pub build_ms: Option<f64>,
     /// Casters that are not drawn.
-    pub(crate) left_out: usize,
+    pub left_out: usize,
 }
 
 struct Loaded<E, V> {

@@ -7,7 +7,7 @@ use terrafill_casters::Volume;
 use terrafill_plan::PixelRect;
 
 /// No pixel.
-pub(crate) const NONE: PixelRect = PixelRect {
+pub const NONE: PixelRect = PixelRect {
     left: 0,
     top: 0,
     right: 0,
@@ -15,7 +15,7 @@ pub(crate) const NONE: PixelRect = PixelRect {
 };
 
 /// The smallest rectangle that holds both; [`NONE`] adds nothing.
-pub(crate) fn joined(one: PixelRect, other: PixelRect) -> PixelRect {
+pub fn joined(one: PixelRect, other: PixelRect) -> PixelRect {
     match (one, other) {
         (NONE, only) | (only, NONE) => only,
         _ => one.around(other),
@@ -25,7 +25,7 @@ pub(crate) fn joined(one: PixelRect, other: PixelRect) -> PixelRect {
 /// Pixels in which a triangle can be seen, and one more on every side.
 ///
 /// - `corners`: relative to the eye; directions where they are at infinity
-pub(crate) fn around(view: &DeckCamera, corners: &[DVec3; 3]) -> PixelRect {
+pub fn around(view: &DeckCamera, corners: &[DVec3; 3]) -> PixelRect {
     // Right, up and depth; the cone over the triangle is cut by the four sides of the view.
     let mut cone: Vec<DVec3> = corners
         .iter()
@@ -74,7 +74,7 @@ fn pixels(low: f64, high: f64, size: u32) -> [u32; 2] {
 }
 
 /// The part of a convex polygon on whose places `side` is not negative.
-pub(crate) fn cut(ring: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+pub fn cut(ring: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut kept = Vec::with_capacity(ring.len() + 1);
     for (at, &place) in ring.iter().enumerate() {
         let next = ring[(at + 1) % ring.len()];
@@ -90,7 +90,7 @@ pub(crate) fn cut(ring: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 }
 
 /// Of each part, the depths between which its closed volume lies, m, wider by a share on either side.
-pub(crate) fn depths_of_parts(
+pub fn depths_of_parts(
     view: &DeckCamera,
     volume: &Volume,
     parts: usize,
@@ -111,7 +111,7 @@ pub(crate) fn depths_of_parts(
 }
 
 /// Of each part, the rectangle of its volume.
-pub(crate) fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<PixelRect> {
+pub fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<PixelRect> {
     let mut rectangles = vec![NONE; parts];
     for triangle in &volume.triangles {
         let corners = triangle.corners.map(|corner| {
@@ -125,7 +125,7 @@ pub(crate) fn of_parts(view: &DeckCamera, volume: &Volume, parts: usize) -> Vec<
 }
 
 /// The pixels that lie whole above the horizon of the tangent plane: "above the sea" as a rectangle.
-pub(crate) fn above_horizon(view: &DeckCamera) -> PixelRect {
+pub fn above_horizon(view: &DeckCamera) -> PixelRect {
     PixelRect {
         bottom: view.size[1] / 2,
         ..view.whole()
@@ -133,7 +133,7 @@ pub(crate) fn above_horizon(view: &DeckCamera) -> PixelRect {
 }
 
 /// The least rectangle that holds some pixels.
-pub(crate) fn around_pixels(view: &DeckCamera, is_in: impl Fn(usize) -> bool) -> PixelRect {
+pub fn around_pixels(view: &DeckCamera, is_in: impl Fn(usize) -> bool) -> PixelRect {
     let pixels = (0..view.pixel_count()).filter(|at| is_in(*at));
     let rectangles = pixels.map(|at| {
         let [left, top] = view.pixel(at);

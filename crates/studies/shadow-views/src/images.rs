@@ -30,7 +30,7 @@ fn colour(truth: &Truth, at: usize, is_dark: Option<bool>) -> [u8; 3] {
 }
 
 /// Every pixel's colour, row by row from the top.
-pub(crate) fn picture(truth: &Truth, mask: Option<&[bool]>) -> Vec<[u8; 3]> {
+pub fn picture(truth: &Truth, mask: Option<&[bool]>) -> Vec<[u8; 3]> {
     let pixels = 0..truth.seen.len();
     pixels
         .map(|at| colour(truth, at, mask.map(|mask| mask[at])))
@@ -38,7 +38,7 @@ pub(crate) fn picture(truth: &Truth, mask: Option<&[bool]>) -> Vec<[u8; 3]> {
 }
 
 /// Writes a picture under `folder/images/` and returns its path relative to `folder`.
-pub(crate) fn write(
+pub fn write(
     folder: &Path,
     name: &str,
     truth: &Truth,

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 
 /// Radius of the sea, m: the mean radius of the Earth.
-pub(crate) const SEA_RADIUS_M: f64 = 6_371_000.0;
+pub const SEA_RADIUS_M: f64 = 6_371_000.0;
 /// Hits nearer than this belong to the point itself: places kilometres away are rounded by 10⁻¹² m, and
 /// the distance along a grazing ray by a thousand times that.
 const CONTACT_M: f64 = 1e-7;
@@ -27,7 +27,8 @@ const CELLS_PER_TRIANGLE: usize = 64;
 
 /// What a pixel sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Seen {
+pub enum Seen {
+    /// Nothing.
     Sky,
     /// At this depth, m.
     Sea(f64),
@@ -37,7 +38,7 @@ pub(crate) enum Seen {
 
 impl Seen {
     /// m; `None` for the sky.
-    pub(crate) fn depth(self) -> Option<f64> {
+    pub fn depth(self) -> Option<f64> {
         match self {
             Self::Sky => None,
             Self::Sea(depth) | Self::Triangle(_, depth) => Some(depth),
@@ -47,10 +48,12 @@ impl Seen {
 
 /// What the reference says of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Light {
+pub enum Light {
     /// Nothing that could be lit.
     Sky,
+    /// Nothing lies between it and the sun.
     Lit,
+    /// Turned away from the sun, or behind something.
     Shadow,
     /// On a face that is edge-on to the sun.
     EdgeOn,
@@ -60,21 +63,25 @@ pub(crate) enum Light {
 
 /// A picture's truth.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Truth {
-    pub(crate) size: [u32; 2],
-    pub(crate) seen: Vec<Seen>,
-    pub(crate) light: Vec<Light>,
+pub struct Truth {
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Of each pixel, row by row from the top.
+    pub seen: Vec<Seen>,
+    /// The same.
+    pub light: Vec<Light>,
     /// Pixels beside one of the other light: the boundary runs through them.
-    pub(crate) band: Vec<bool>,
+    pub band: Vec<bool>,
 }
 
 impl Truth {
-    pub(crate) fn count(&self, light: Light) -> usize {
+    /// Pixels of that light.
+    pub fn count(&self, light: Light) -> usize {
         self.light.iter().filter(|own| **own == light).count()
     }
 
     /// Pixels of which it says whether they are lit.
-    pub(crate) fn judged(&self) -> usize {
+    pub fn judged(&self) -> usize {
         self.count(Light::Lit) + self.count(Light::Shadow)
     }
 }
@@ -90,7 +97,7 @@ struct Node {
 }
 
 /// A mesh under a sun, ready for rays.
-pub(crate) struct Reference<'a> {
+pub struct Reference<'a> {
     mesh: &'a Mesh,
     to_light: DVec3,
     corners: Vec<[DVec3; 3]>,
@@ -111,7 +118,10 @@ struct Grid {
 }
 
 impl<'a> Reference<'a> {
-    pub(crate) fn new(mesh: &'a Mesh, to_light: DVec3) -> Self {
+    /// Sorts a mesh for rays.
+    ///
+    /// - `to_light`: unit vector towards the sun
+    pub fn new(mesh: &'a Mesh, to_light: DVec3) -> Self {
         let corners: Vec<[DVec3; 3]> = (0..mesh.triangles.len())
             .map(|at| mesh.corners(at))
             .collect();
@@ -193,7 +203,7 @@ impl<'a> Reference<'a> {
     }
 
     /// The first thing on a ray from the eye, 1 m deep a unit.
-    pub(crate) fn seen(&self, eye: DVec3, ray: DVec3, near: f64) -> Seen {
+    pub fn seen(&self, eye: DVec3, ray: DVec3, near: f64) -> Seen {
         let mut best = (f64::INFINITY, 0);
         self.walk(eye, ray, |triangle, distance| {
             if distance >= near && (distance, triangle) < best {
@@ -209,7 +219,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Test A: whether something lies between a place and the sun, of other planes than `own`.
-    pub(crate) fn is_shadowed(&self, place: DVec3, own: Option<u32>) -> bool {
+    pub fn is_shadowed(&self, place: DVec3, own: Option<u32>) -> bool {
         let mut is_shadowed = false;
         self.walk(place, self.to_light, |triangle, distance| {
             let plane = self.mesh.planes[triangle as usize];
@@ -250,7 +260,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Light of a visible point.
-    pub(crate) fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {
+    pub fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {
         let Some(depth) = seen.depth() else {
             return Light::Sky;
         };
@@ -272,7 +282,8 @@ impl<'a> Reference<'a> {
         }
     }
 
-    pub(crate) fn picture(&self, view: &DeckCamera) -> Truth {
+    /// What each pixel sees, and its light.
+    pub fn picture(&self, view: &DeckCamera) -> Truth {
         let [width, height] = view.size;
         let mut seen = Vec::with_capacity(view.pixel_count());
         let mut light = Vec::with_capacity(view.pixel_count());

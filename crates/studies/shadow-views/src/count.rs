@@ -15,7 +15,7 @@ use terrafill_plan::PixelRect;
 
 terrafill_results::named! {
     /// Which faces count.
-    all pub(crate) enum Rule {
+    all pub enum Rule {
         /// Front faces that pass +1, back faces that pass −1.
         Pass = "z-pass",
         /// Back faces that fail +1, front faces that fail −1.
@@ -44,22 +44,16 @@ impl Rule {
 
 /// A stencil after all volumes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Stencil {
+pub struct Stencil {
     /// Unbounded counts.
-    pub(crate) counts: Vec<i32>,
+    pub counts: Vec<i32>,
     /// Stencil writes.
-    pub(crate) updates: u64,
+    pub updates: u64,
 }
 
 impl Stencil {
     /// Draws volumes, where what is seen lies between the depths of the pass.
-    pub(crate) fn of(
-        view: &DeckCamera,
-        mesh: &Mesh,
-        volume: &Volume,
-        truth: &Truth,
-        pass: &Pass,
-    ) -> Self {
+    pub fn of(view: &DeckCamera, mesh: &Mesh, volume: &Volume, truth: &Truth, pass: &Pass) -> Self {
         let mut stencil = Self {
             counts: vec![0; view.pixel_count()],
             updates: 0,
@@ -92,7 +86,7 @@ impl Stencil {
     }
 
     /// Which pixels are in shadow where a count has 8 bits and wraps.
-    pub(crate) fn mask(&self) -> Vec<bool> {
+    pub fn mask(&self) -> Vec<bool> {
         self.counts
             .iter()
             .map(|count| count.rem_euclid(256) != 0)
@@ -101,37 +95,39 @@ impl Stencil {
 }
 
 /// What is counted together.
-pub(crate) struct Pass {
+pub struct Pass {
     /// How each part's volume is drawn: `None` for not at all.
-    pub(crate) parts: Vec<Option<(Rule, PixelRect)>>,
+    pub parts: Vec<Option<(Rule, PixelRect)>>,
     /// Of each part the depths of what is seen, m, nearest and farthest; empty for all.
-    pub(crate) bounds: Vec<[f64; 2]>,
+    pub bounds: Vec<[f64; 2]>,
 }
 
 /// Pixels by what is wrong with them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct Wrong {
+pub struct Wrong {
     /// Lit where the reference has shadow, outside the band.
-    pub(crate) false_lit: usize,
+    pub false_lit: usize,
     /// In shadow where the reference is lit, outside the band.
-    pub(crate) false_dark: usize,
+    pub false_dark: usize,
     /// Either, in the band.
-    pub(crate) in_band: usize,
+    pub in_band: usize,
     /// Either, outside the band, where a device's rounding alone may make the difference.
-    pub(crate) at_rims: usize,
+    pub at_rims: usize,
 }
 
 impl Wrong {
-    pub(crate) fn outside(self) -> usize {
+    /// Those outside the band that no rounding excuses.
+    pub fn outside(self) -> usize {
         self.false_lit + self.false_dark
     }
 
     /// Those in the band too.
-    pub(crate) fn all(self) -> usize {
+    pub fn all(self) -> usize {
         self.outside() + self.in_band
     }
 
-    pub(crate) fn plus(self, other: Self) -> Self {
+    /// Both, of two pictures.
+    pub fn plus(self, other: Self) -> Self {
         Self {
             false_lit: self.false_lit + other.false_lit,
             false_dark: self.false_dark + other.false_dark,
@@ -141,14 +137,14 @@ impl Wrong {
     }
 
     /// A mask against the reference; what it cannot decide is not counted.
-    pub(crate) fn of(mask: &[bool], truth: &Truth) -> Self {
+    pub fn of(mask: &[bool], truth: &Truth) -> Self {
         Self::but_at_rims(mask, truth, |_, _| false)
     }
 
     /// The same of a device, which rounds.
     ///
     /// - `is_rim`: whether rounding may give that pixel this light
-    pub(crate) fn but_at_rims(
+    pub fn but_at_rims(
         mask: &[bool],
         truth: &Truth,
         mut is_rim: impl FnMut(usize, Light) -> bool,
@@ -229,7 +225,7 @@ impl Spanned {
 /// that each leave out one side then leave it out twice, as llvmpipe does.
 ///
 /// - `beside_px`: how far to the right or left, and up or down
-pub(crate) fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> {
+pub fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> {
     let mut held = vec![false; view.pixel_count()];
     for triangle in &volume.triangles {
         let places = triangle

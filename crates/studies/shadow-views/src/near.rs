@@ -20,7 +20,7 @@ const SAMPLES: u32 = 17;
 
 terrafill_results::named! {
     /// How the rule is chosen.
-    all pub(crate) enum EyeTest {
+    all pub enum EyeTest {
         /// As published: the segment from the eye to the sun, for the frame.
         Eye = "eye",
         /// Box of each model.
@@ -33,13 +33,14 @@ terrafill_results::named! {
 }
 
 /// Boxes of parts and models.
-pub(crate) struct Boxes {
+pub struct Boxes {
     parts: Vec<[DVec3; 2]>,
     models: Vec<([DVec3; 2], Range<usize>)>,
 }
 
 impl Boxes {
-    pub(crate) fn of(mesh: &Mesh) -> Self {
+    /// Of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
         let parts = mesh.parts.iter();
         let parts: Vec<[DVec3; 2]> = parts
             .map(|part| box_of(&mesh.vertices[part.vertices.clone()]))
@@ -108,7 +109,7 @@ impl Prism {
 }
 
 /// What a test chooses for a view: of each part, whether it is drawn by z-fail.
-pub(crate) fn chosen(
+pub fn chosen(
     test: EyeTest,
     view: &DeckCamera,
     to_light: DVec3,
@@ -153,7 +154,7 @@ const MIN_SLOPE: f64 = 1e-3;
 /// Lit triangles between the near plane and the sun, moved along the light into the near plane.
 ///
 /// There they face the eye. z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
-pub(crate) fn near_caps(
+pub fn near_caps(
     view: &DeckCamera,
     to_light: DVec3,
     mesh: &Mesh,
@@ -188,7 +189,7 @@ pub(crate) fn near_caps(
 /// Parts that hold a sample of the near rectangle in their shadow, and the share of samples in any.
 ///
 /// By rays from the samples to each part's triangles, not by the prism.
-pub(crate) fn shadowed_share(view: &DeckCamera, reference: &Reference<'_>) -> f64 {
+pub fn shadowed_share(view: &DeckCamera, reference: &Reference<'_>) -> f64 {
     let share = |at: u32| 2.0 * f64::from(at) / f64::from(SAMPLES - 1) - 1.0;
     let all = (0..SAMPLES).flat_map(|row| (0..SAMPLES).map(move |column| (column, row)));
     let places =
@@ -200,7 +201,7 @@ pub(crate) fn shadowed_share(view: &DeckCamera, reference: &Reference<'_>) -> f6
 }
 
 /// Whether a corner or the middle of the near rectangle is in shadow: what five samples find.
-pub(crate) fn is_shadowed_at_corners(view: &DeckCamera, reference: &Reference<'_>) -> bool {
+pub fn is_shadowed_at_corners(view: &DeckCamera, reference: &Reference<'_>) -> bool {
     let middle = view.eye + view.forward * view.near;
     let mut places = view.near_corners().into_iter().chain([middle]);
     places.any(|place| reference.is_shadowed(place, None))

@@ -6,48 +6,48 @@ use std::ops::Range;
 /// Draws vertices as they are.
 pub(crate) const SHADER: &str = "casters/volume.wgsl";
 /// Of a piece that is a triangle of the light cap.
-pub(crate) const IS_CAP: u32 = 1 << 31;
+pub const IS_CAP: u32 = 1 << 31;
 
 /// Volumes as one eye sees them.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct EyeVolumes {
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct EyeVolumes {
     /// Bits of `f32`: x, y, z from the eye, m, and w.
-    pub(crate) vertices: Vec<[u32; 4]>,
+    pub vertices: Vec<[u32; 4]>,
     /// Of triangles, counter-clockwise seen from outside.
-    pub(crate) indices: Vec<u32>,
+    pub indices: Vec<u32>,
     /// Of each volume, by [`terrafill_stencil::Volume::geometry`]: its range of indices.
-    pub(crate) ranges: Vec<Range<u32>>,
+    pub ranges: Vec<Range<u32>>,
 }
 
 /// Casters as one eye sees them, from which a vertex shader pulls their volumes.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct EyeMesh {
+pub struct EyeMesh {
     /// x, y, z from the eye, m, and 1; the last one: the direction away from the light, and 0.
-    pub(crate) places: Vec<[f32; 4]>,
+    pub places: Vec<[f32; 4]>,
     /// Triangles and edges, as `casters/pulled.wgsl` reads them.
-    pub(crate) pieces: Vec<[u32; 4]>,
+    pub pieces: Vec<[u32; 4]>,
     /// A bit a triangle; none where every edge computes facings from corners.
-    pub(crate) lit: Vec<u32>,
+    pub lit: Vec<u32>,
     /// Of each caster, by [`terrafill_stencil::Volume::geometry`]: its range of pieces.
-    pub(crate) ranges: Vec<Range<u32>>,
+    pub ranges: Vec<Range<u32>>,
 }
 
 /// Casters as one eye sees them, whose volumes a compute shader puts together from these vertices.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Computed {
+pub struct Computed {
     /// As those of [`EyeVolumes`]: places, then their ends, or the one end that all have.
-    pub(crate) vertices: Vec<[u32; 4]>,
+    pub vertices: Vec<[u32; 4]>,
     /// Without places.
-    pub(crate) mesh: EyeMesh,
+    pub mesh: EyeMesh,
     /// From a place to its end; or that of the one end.
-    pub(crate) far: u32,
+    pub far: u32,
     /// Whether each place has an end of its own.
-    pub(crate) is_closed: bool,
+    pub is_closed: bool,
 }
 
 /// How a geometry shader is given casters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Adjacency {
+pub enum Adjacency {
     /// Triangles with the corners opposite to their edges, and a facing bit of each of the four.
     Triangles,
     /// Edges with the corners opposite to them, and two facing bits.
@@ -57,31 +57,36 @@ pub(crate) enum Adjacency {
 }
 
 /// Casters as one eye sees them, for a geometry shader.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Adjacent {
-    pub(crate) by: Adjacency,
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Adjacent {
+    /// What it is given.
+    pub by: Adjacency,
     /// Of each caster: vertices of its triangles or edges, and of its caps, which are drawn beside.
-    pub(crate) vertices: Vec<[u32; 2]>,
+    pub vertices: Vec<[u32; 2]>,
     /// What `casters/adjacent.wgsl` reads behind the volumes' constants.
-    pub(crate) words: Vec<u32>,
+    pub words: Vec<u32>,
     /// Where in these the table of volumes, corners, facing bits, places and caps begin.
-    pub(crate) begins: [u32; 5],
+    pub begins: [u32; 5],
     /// Bytes of the facing bits.
-    pub(crate) light_bytes: u64,
+    pub light_bytes: u64,
 }
 
 /// What a device makes volumes of.
 #[derive(Debug, Clone)]
-pub(crate) enum VolumeSource {
+pub enum VolumeSource {
+    /// Of volumes from the CPU.
     Volumes(EyeVolumes),
+    /// A vertex shader finds silhouettes.
     Pulled(EyeMesh),
+    /// A compute shader does.
     Computed(Computed),
+    /// A geometry shader does.
     Adjacent(Adjacent),
 }
 
 impl VolumeSource {
     /// All that the device holds, and what of it another sun changes.
-    pub(crate) fn bytes(&self) -> [u64; 2] {
+    pub fn bytes(&self) -> [u64; 2] {
         match self {
             // Sides begin elsewhere: everything.
             Self::Volumes(volumes) => {
@@ -115,7 +120,7 @@ impl VolumeSource {
 
 impl Adjacent {
     /// The words as they lie behind so many bytes, and where what begins.
-    pub(crate) fn words_behind(&self, bytes: usize) -> Vec<u32> {
+    pub fn words_behind(&self, bytes: usize) -> Vec<u32> {
         let before = u32::try_from(bytes / size_of::<u32>()).unwrap_or(u32::MAX);
         let begins = self.begins.map(|own| own + before);
         self.words.iter().copied().chain(begins).collect()
@@ -124,7 +129,7 @@ impl Adjacent {
 
 impl Computed {
     /// Indices of a triangle or of two.
-    pub(crate) fn indices_of_piece(&self) -> usize {
+    pub fn indices_of_piece(&self) -> usize {
         if self.is_closed { 6 } else { 3 }
     }
 }
