@@ -14,6 +14,7 @@ mod device_map;
 mod drawing;
 mod eyes;
 mod job;
+mod lamps;
 mod list;
 mod loading;
 mod maps;
