@@ -262,7 +262,7 @@ mod tests {
     fn every_limit_writes_no_more_and_loses_nothing_unless_it_is_too_small() {
         let mut lost = [0; Limit::ALL.len()];
         for name in LampName::ALL {
-            let scene = LampScene::new(name, LampEye::Bridge, [64, 48]).expect("a port");
+            let scene = LampScene::new(name, LampEye::Bridge, [48, 36]).expect("a port");
             let counts = [
                 Light::Lit,
                 Light::Shadow,
