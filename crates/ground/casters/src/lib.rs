@@ -5,6 +5,7 @@
 //! draws. Facing is one bit a plane, decided once ([`Facing`]), and every method reads that bit.
 //! Sources: Aldridge & Woods (2004) and Kim, Kim & Turk (2008) for the directed count of an edge.
 
+mod lamp;
 mod mesh;
 mod pieces;
 mod policy;
@@ -15,6 +16,7 @@ mod verdict;
 mod volume;
 mod waterline;
 
+pub use lamp::Reach;
 pub use mesh::{Caster, ConvexPart, Mesh, MeshError};
 pub use policy::{Policy, Prepared};
 pub use port::{PortSize, hull, port, row};

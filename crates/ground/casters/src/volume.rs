@@ -158,7 +158,7 @@ impl Volume {
 }
 
 /// Lit triangles, or under `robust` all of them, turned towards the light.
-fn caps(prepared: &Prepared, facing: &Facing) -> Vec<(u32, [u32; 3])> {
+pub(crate) fn caps(prepared: &Prepared, facing: &Facing) -> Vec<(u32, [u32; 3])> {
     let triangles = prepared.mesh.triangles.iter().zip(&facing.is_lit);
     let cap = |(at, (&[a, b, c], &is_lit)): (usize, (&[u32; 3], &bool))| match is_lit {
         true => Some((index(at), [a, b, c])),
@@ -168,7 +168,7 @@ fn caps(prepared: &Prepared, facing: &Facing) -> Vec<(u32, [u32; 3])> {
     triangles.enumerate().filter_map(cap).collect()
 }
 
-fn part_of_vertices(mesh: &Mesh) -> Vec<u32> {
+pub(crate) fn part_of_vertices(mesh: &Mesh) -> Vec<u32> {
     let mut parts = vec![0; mesh.vertices.len()];
     for (at, part) in mesh.parts.iter().enumerate() {
         parts[part.vertices.clone()].fill(index(at));

@@ -205,6 +205,10 @@ impl Spanned {
             .zip(self.weights)
             .map(|(share, weight)| share * weight)
             .sum();
+        // Of places at infinity alone, or along the ray.
+        if weight == 0.0 {
+            return f64::INFINITY;
+        }
         self.volume / weight
     }
 

@@ -16,6 +16,9 @@ fn colour(truth: &Truth, at: usize, is_dark: Option<bool>) -> [u8; 3] {
     if light == Light::EdgeOn || light == Light::Undecided {
         return [170, 130, 200];
     }
+    if light == Light::OutOfReach {
+        return [20, 24, 34];
+    }
     let truly_dark = light == Light::Shadow;
     if light != Light::Sky && is_dark.is_some_and(|is_dark| is_dark != truly_dark) {
         return WRONG;

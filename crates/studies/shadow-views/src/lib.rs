@@ -7,6 +7,7 @@
 mod count;
 mod device;
 mod images;
+mod lamp;
 mod near;
 mod positions;
 mod reference;
@@ -19,6 +20,7 @@ mod view;
 pub use count::{Pass, Rule, Stencil, Wrong, slivers};
 pub use device::{Channel, Draws, Interface, Retile};
 pub use images::{picture, write};
+pub use lamp::{Beam, Lamp, LampReference};
 pub use near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, near_caps, shadowed_share};
 pub use positions::{Positions, count, eye_vertices};
 pub use reference::{Light, Reference, SEA_RADIUS_M, Seen, Truth};

@@ -17,9 +17,9 @@ use terrafill_casters::Mesh;
 pub const SEA_RADIUS_M: f64 = 6_371_000.0;
 /// Hits nearer than this belong to the point itself: places kilometres away are rounded by 10⁻¹² m, and
 /// the distance along a grazing ray by a thousand times that.
-const CONTACT_M: f64 = 1e-7;
+pub(crate) const CONTACT_M: f64 = 1e-7;
 /// Faces on which the cosine to the sun is below this are edge-on: which side is lit is undecidable.
-const EDGE_ON: f64 = 1e-3;
+pub(crate) const EDGE_ON: f64 = 1e-3;
 const LEAF_SIZE: usize = 4;
 /// Cells of test B's grid along each axis, at most; halved until a triangle is in few of them.
 const MAX_CELLS: usize = 512;
@@ -59,6 +59,8 @@ pub enum Light {
     EdgeOn,
     /// The two tests disagree.
     Undecided,
+    /// Beyond the range of a lamp, or outside its beam: unlit by itself.
+    OutOfReach,
 }
 
 /// A picture's truth.
@@ -75,6 +77,21 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// Asks for what a ray through each pixel's centre sees, and its light.
+    pub(crate) fn of(view: &DeckCamera, ask: impl Fn(DVec3) -> (Seen, Light)) -> Self {
+        let pixels = (0..view.pixel_count()).map(|at| {
+            let [column, row] = view.pixel(at);
+            ask(view.ray(column, row))
+        });
+        let (seen, light): (Vec<_>, Vec<_>) = pixels.unzip();
+        Self {
+            size: view.size,
+            band: band(view.size, &seen, &light),
+            seen,
+            light,
+        }
+    }
+
     /// Pixels of that light.
     pub fn count(&self, light: Light) -> usize {
         self.light.iter().filter(|own| **own == light).count()
@@ -98,7 +115,7 @@ struct Node {
 
 /// A mesh under a sun, ready for rays.
 pub struct Reference<'a> {
-    mesh: &'a Mesh,
+    pub(crate) mesh: &'a Mesh,
     to_light: DVec3,
     corners: Vec<[DVec3; 3]>,
     order: Vec<u32>,
@@ -175,7 +192,7 @@ impl<'a> Reference<'a> {
 
     /// Calls `meet` with every triangle that the ray meets and how far along it, until it returns the
     /// farthest distance that still matters.
-    fn walk(&self, from: DVec3, along: DVec3, mut meet: impl FnMut(u32, f64) -> f64) {
+    pub(crate) fn walk(&self, from: DVec3, along: DVec3, mut meet: impl FnMut(u32, f64) -> f64) {
         let mut farthest = f64::INFINITY;
         let inverse = along.recip();
         let mut stack = vec![0];
@@ -252,7 +269,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Of the casters, where what is seen is one.
-    fn plane(&self, seen: Seen) -> Option<u32> {
+    pub(crate) fn plane(&self, seen: Seen) -> Option<u32> {
         match seen {
             Seen::Sky | Seen::Sea(_) => None,
             Seen::Triangle(triangle, _) => Some(self.mesh.planes[triangle as usize]),
@@ -284,23 +301,10 @@ impl<'a> Reference<'a> {
 
     /// What each pixel sees, and its light.
     pub fn picture(&self, view: &DeckCamera) -> Truth {
-        let [width, height] = view.size;
-        let mut seen = Vec::with_capacity(view.pixel_count());
-        let mut light = Vec::with_capacity(view.pixel_count());
-        for row in 0..height {
-            for column in 0..width {
-                let ray = view.ray(column, row);
-                let what = self.seen(view.eye, ray, view.near);
-                light.push(self.light(view, ray, what));
-                seen.push(what);
-            }
-        }
-        Truth {
-            size: view.size,
-            band: band(view.size, &seen, &light),
-            seen,
-            light,
-        }
+        Truth::of(view, |ray| {
+            let seen = self.seen(view.eye, ray, view.near);
+            (seen, self.light(view, ray, seen))
+        })
     }
 }
 

@@ -5,6 +5,7 @@ mod claims;
 mod drawn;
 mod elsewhere;
 mod findings;
+mod lights;
 mod plots;
 mod sections;
 mod times;

@@ -199,7 +199,7 @@ impl Scene {
 }
 
 /// A device's count of the volumes' fragments, unless it is too small to be one: a pixel in shadow takes a fragment.
-fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u64>, String> {
+pub(crate) fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u64>, String> {
     match fragments {
         Some(count) if count < dark as u64 => Err(format!(
             "the device's query has {count} fragments of volumes, and {dark} pixels are in shadow, each of which takes one"

@@ -3,6 +3,7 @@
 
 use crate::ablation::StencilStep;
 use crate::counted::{Counted, Ranges};
+use crate::lamps::{LampEye, LampName, Limit};
 use crate::maps::Bias;
 use crate::metrics::{CHECKED_PX, SIZE_PX};
 use crate::rivals::Rival;
@@ -49,6 +50,9 @@ pub(crate) enum Job {
     /// A frame of all channels.
     Harbour([f64; 2], Eyes, Interface),
     StencilStep([f64; 2], StencilStep),
+    /// From the bridge, counted along rays.
+    Lamp(LampName, Rule, Limit),
+    DeviceLamp(LampName, LampEye, Interface, Rule, Limit),
 }
 
 impl Job {
@@ -64,7 +68,7 @@ impl Job {
         frame: [u32; 2],
     ) -> Vec<(ConditionKey, [u32; 2])> {
         match self {
-            Self::Harbour(..) => vec![(SIZE_PX, frame)],
+            Self::Harbour(..) | Self::DeviceLamp(..) => vec![(SIZE_PX, frame)],
             Self::Model | Self::Silhouette(..) => Vec::new(),
             Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
             job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],

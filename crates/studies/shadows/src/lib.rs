@@ -15,6 +15,7 @@ mod device_map;
 mod drawing;
 mod eyes;
 mod job;
+mod lamps;
 mod list;
 mod loading;
 mod maps;

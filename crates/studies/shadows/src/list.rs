@@ -8,6 +8,7 @@ use crate::ablation::steps;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
 use crate::job::{Job, Method};
+use crate::lamps::{LampEye, LampName, Limit};
 use crate::maps::Bias;
 use crate::rivals::Rival;
 use crate::views::{Chooser, Eyes, Place};
@@ -251,6 +252,40 @@ fn under<A: Copy, B: Copy>(
     suns.iter().flat_map(of).collect()
 }
 
+/// Each lamp with every limit. A quick run has one rule.
+fn counted_lamps(is_quick: bool) -> Vec<Job> {
+    let rules = if is_quick { 1 } else { 2 };
+    let of = |name: LampName| {
+        cross(
+            &[Rule::Fail, Rule::Pass][..rules],
+            &Limit::ALL,
+            |rule, limit| Job::Lamp(name, rule, limit),
+        )
+    };
+    LampName::ALL.into_iter().flat_map(of).collect()
+}
+
+/// Each lamp by devices. A quick run has the bridge, and other eyes of the first lamp.
+fn drawn_lamps(is_quick: bool) -> Vec<Job> {
+    let seen = LampName::ALL.into_iter().flat_map(|name| {
+        let of_all = name == LampName::Shore || !is_quick;
+        let eyes = name.eyes().iter();
+        let own = eyes.filter(move |eye| of_all || **eye == LampEye::Bridge);
+        own.map(move |eye| (name, *eye))
+    });
+    let ways = [
+        (Rule::Fail, Limit::Off),
+        (Rule::Fail, Limit::Range),
+        (Rule::Pass, Limit::Off),
+    ];
+    let of = |(name, eye)| {
+        cross(&Interface::ALL, &ways, |interface, (rule, limit)| {
+            Job::DeviceLamp(name, eye, interface, rule, limit)
+        })
+    };
+    seen.flat_map(of).collect()
+}
+
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
 
@@ -293,7 +328,7 @@ pub(crate) fn questions(
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let of_bounds = |sun, rule, (ranges, counted)| Job::Bounds(sun, rule, ranges, counted);
     let of_harbour = |sun, (eyes, interface)| Job::Harbour(sun, eyes, interface);
-    let all: [Vec<Job>; 20] = [
+    let all: [Vec<Job>; 22] = [
         vec![Job::Model],
         cross(harbour_suns, &FRAMES, of_harbour),
         under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
@@ -325,6 +360,8 @@ pub(crate) fn questions(
         cross(&of_both(origin_ways), &ORIGINS_SEEN, seen),
         under(map_suns, texels, &Bias::ALL, Job::Map),
         under(map_suns, texels, &Bias::DRAWN, Job::DeviceMap),
+        counted_lamps(is_quick),
+        drawn_lamps(is_quick),
     ];
     let planned = |jobs: Vec<Job>| {
         let question = jobs.first().map_or("", |job| question(*job));

@@ -17,6 +17,8 @@ terrafill_results::conditions! {
     EYE_TEST = "eye_test", "how the rule is chosen: by the eye, or by what lies between near plane and sun";
     FACES = "faces", "both faces of a volume in one draw, or in one each";
     LENGTH_M = "length_m", "length of volumes, metres";
+    LIGHT = "light", "which light shines: one at a place, other than the sun";
+    LIMIT = "limit", "what keeps the shadows of a lamp to its reach";
     MESH = "mesh", "which model is cast";
     MODEL = "model", "which model casts";
     MODELS = outlines::MODELS.name(), "how many models are outlined";
@@ -68,6 +70,16 @@ terrafill_results::conditions! {
     "one range" = "of depth bounds: between the nearest and the farthest that a channel shows above the sea";
     "bridge" = "from 30 m up on own ship: seven channels over 270°";
     "aerial" = "from 300 m up, looking down by 31°";
+    "shore light" = "a lamp 33 m up at a crane, with a range of 100 m";
+    "deck light" = "a lamp on the foremast of the moored ship, with a range of 60 m";
+    "searchlight" = "a beam of 28° from own ship's foremast onto the moored ship, with a range of 200 m";
+    "eye in shadow" = "from the dock, where something stands between the eye and the lamp";
+    "volumes end beyond it" = "no place of a volume's end is nearer to the lamp than its range";
+    "volumes' corners end at it" = "corners of a volume's end lie at the range, and between them it is too short";
+    "scissor of half of it" = "a scissor round half the range and half the beam, which is too small";
+    "depth bounds" = "of a lamp: the depths of what is seen must lie in its reach";
+    "casters in reach" = "parts of casters that a lamp cannot reach are left out";
+    "reach" = "of a lamp: its range and its beam";
     "near plane" = "the nearest depth that is drawn";
     "shadow pixels lost" = "pixels in shadow that a finite volume does not reach";
     "stencil writes" = "changes of the stencil by fragments of volumes";
@@ -206,6 +218,10 @@ terrafill_results::metrics! {
     SHADOW_PX = seen(
         "shadow_px",
         "Pixels in shadow by the reference, in all channels.",
+    );
+    SHADOW_REACHED_PX = seen(
+        "shadow_reached_px",
+        "Pixels of sea and casters within the range and the beam of a lamp.",
     );
     SHADOW_EDGE_ON_PX = seen(
         "shadow_edge_on_px",

@@ -3,6 +3,7 @@
 
 mod answers;
 mod harbour;
+mod lights;
 mod meshes;
 mod on_devices;
 
@@ -12,6 +13,7 @@ use crate::brought::{Brought, SETTING};
 use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
 use crate::job::Job;
+use crate::lamps::LampScene;
 use crate::list::questions;
 use crate::maps::Map;
 use crate::metrics::{METRICS, QUESTION, SHADOW_MAP_CPU_MS, TIME};
@@ -104,6 +106,7 @@ impl Study for ShadowsStudy {
                         frames: BTreeMap::new(),
                         edges: None,
                         map: None,
+                        lamp: None,
                     }))
                 },
             })
@@ -166,6 +169,8 @@ struct Answering<'a> {
     edges: Option<(String, EdgeTable)>,
     /// The last one, of a sun, a size of texels and whether it is timed: it may fill half of a device.
     map: Option<([f64; 2], f64, bool, DeviceMap)>,
+    /// The last one, by lamp, eye and size.
+    lamp: Option<(String, LampScene)>,
 }
 
 impl Answering<'_> {
@@ -241,6 +246,8 @@ impl Session for Answering<'_> {
         match self.question.jobs[case] {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
             Job::Harbour(sun, eyes, interface) => self.harbour(case, sun, eyes, interface),
+            Job::Lamp(name, rule, limit) => self.lamp_counted(name, rule, limit),
+            job @ Job::DeviceLamp(..) => self.lamp_drawn(job),
             job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
             job if job.is_of_device() => self.device(case, job),
             job => self.answer(job),

@@ -8,7 +8,7 @@ use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};
 
 /// Twins that must be wrong: name, question, and the condition that tells them.
-const TWINS: [(&str, &str, ConditionKey, &str); 10] = [
+const TWINS: [(&str, &str, ConditionKey, &str); 12] = [
     ("z-pass as printed", "updates", RULE, "z-pass as printed"),
     ("the horizon as a scissor", "scissors", SCISSOR, "horizon"),
     ("8 bits that wrap", "rows", COUNTING, "8 bits, wrapping"),
@@ -38,6 +38,18 @@ const TWINS: [(&str, &str, ConditionKey, &str); 10] = [
         "pulled, f32 by corners",
     ),
     ("z-pass at a dark near plane", "near", RULE, "z-pass"),
+    (
+        "ends of a lamp's volumes at its range",
+        "lights",
+        LIMIT,
+        "volumes' corners end at it",
+    ),
+    (
+        "a scissor of half a lamp",
+        "lights",
+        LIMIT,
+        "scissor of half of it",
+    ),
     ("the eye's test there", "near", RULE, "automatic, eye"),
 ];
 
@@ -86,6 +98,7 @@ impl<'a> Own<'a> {
             self.maps(),
             self.map_curve(),
             self.volumes_or_maps(),
+            self.limits(),
         ];
         let of_times = self.times();
         let of_outlines = terrafill_outlines::findings(&self.question("outlines")).into_iter();

@@ -25,6 +25,7 @@ const UNDECIDED: Column = column("undecided px", SHADOW_UNDECIDED_PX);
 const SHADE_PX: Column = column("shadow px", SHADOW_PX);
 const LOST_SHARE: Column = column("shadow pixels lost, %", LOST);
 const FIND_MS: Column = column("CPU ms", TIME);
+const REACHED: Column = column("px in reach", SHADOW_REACHED_PX);
 const SIDES: Column = column("sides", SHADOW_SIDES);
 const OPEN_EDGES: Column = column("open edges", SHADOW_OPEN_EDGES);
 const CPU_MS: Column = column("CPU ms", FILL_CPU);
@@ -107,7 +108,7 @@ const fn section(
     }
 }
 
-pub(super) const SECTIONS: [Section<'static>; 21] = [
+pub(super) const SECTIONS: [Section<'static>; 23] = [
     Section {
         pictures: &[("map", "by day"), ("image", "as drawn, wrong pixels red")],
         ..section(
@@ -388,6 +389,34 @@ pub(super) const SECTIONS: [Section<'static>; 21] = [
             &[SUN, TEXEL_M, BIAS],
             &[
                 CPU_MS, GPU_MS, MAP_GPU_MS, WRONG, DIFFERS, BIAS_M, LIT_PX, DARK_PX, BAND_PX, BYTES,
+            ],
+        )
+    },
+    Section {
+        shows_what_is_wrong: false,
+        ..section(
+            ["lights", "Lights other than the sun"],
+            "The port by night under a lamp, from the channel of the bridge that has it in view. A volume's sides run away from \
+                 the lamp, and its dark cap lies at infinity or beyond the lamp's range. Rays end at the lamp; what lies beyond its range \
+                 or beside its beam is unlit by itself, and not judged. The paper names deck light, searchlight and lights on \
+                 shore, and limits the range of illumination by the sea level alone. Here the limit is the lamp's own reach, \
+                 one way at a time, against volumes without end. Ends with corners at the range cut through its sphere; \
+                 they and a scissor of half the reach must lose pixels.",
+            &[LIGHT, RULE, LIMIT],
+            &[
+                WRITES, TRIANGLES, LOST_SHARE, LIT_PX, DARK_PX, BAND_PX, REACHED, SHADE_PX,
+                UNDECIDED,
+            ],
+        )
+    },
+    Section {
+        pictures: &[("map", "by night"), ("image", "as drawn, wrong pixels red")],
+        ..section(
+            ["device-lights", "The same by devices"],
+            "Volumes from the CPU, drawn into a stencil. z-pass is wrong where the eye is in shadow, as under the sun.",
+            &[LIGHT, VIEW, API, RULE, LIMIT],
+            &[
+                LIT_PX, DARK_PX, BAND_PX, RIM_PX, REACHED, SHADE_PX, TRIANGLES, DRAWS, FRAGMENTS,
             ],
         )
     },

@@ -5,6 +5,7 @@ use crate::STUDY;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
 use crate::job::{Job, Method, sun_name};
+use crate::lamps::LampEye;
 use crate::metrics::*;
 use crate::views::{Chooser, Eyes};
 use crate::way::Counting;
@@ -110,6 +111,22 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
         Job::Harbour(sun, eyes, interface) => {
             let conditions = vec![under(sun), is(VIEW, eyes.name()), by(interface)];
             ("harbour", conditions, false)
+        }
+        Job::Lamp(name, rule, limit) => {
+            let limit_name = is(LIMIT, limit.name());
+            let conditions = vec![is(LIGHT, name.name()), is(RULE, rule.name()), limit_name];
+            ("lights", conditions, limit.may_be_wrong())
+        }
+        Job::DeviceLamp(name, eye, interface, rule, limit) => {
+            let conditions = vec![
+                is(LIGHT, name.name()),
+                is(VIEW, eye.name()),
+                by(interface),
+                is(RULE, rule.name()),
+                is(LIMIT, limit.name()),
+            ];
+            let is_outside = eye == LampEye::InShadow && rule == Rule::Pass;
+            ("device-lights", conditions, is_outside)
         }
         Job::View(sun, place, chooser) => (
             "views",

@@ -504,3 +504,29 @@ fn a_quick_plan_is_a_part_of_the_whole() {
     };
     assert!(count(Depth::Quick) < count(Depth::Full));
 }
+
+#[test]
+fn lamps_are_right_by_every_device_and_their_pictures_by_night_have_light_and_dark() {
+    let small = Request {
+        size: [96, 72],
+        names_size: true,
+        ..request(Depth::Quick)
+    };
+    let is_it = |name: &str| name.contains("shore light") && !name.contains("aerial");
+    let (all, pictures) = verdicts_of(&small, "device-lights", is_it);
+    assert_eq!(all.len(), 12);
+    for (name, verdict) in &all {
+        if !is_drawn(name, verdict, false) {
+            continue;
+        }
+        let is_outside = name.contains("eye in shadow") && name.contains("z-pass");
+        assert_is(!is_outside, name, verdict);
+        assert_eq!(pictures[name], (96, 72));
+        let is_painted = verdict.notes.iter().any(|(key, _)| *key == "map");
+        assert_eq!(
+            is_painted,
+            name.contains("wgpu") && name.contains("z-fail") && name.contains("off"),
+            "{name}"
+        );
+    }
+}

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The port by night, under lights at a place: on a crane, on a mast, and a searchlight on own ship.
+//!
+//! The paper names the deck light, the searchlight and lights on shore, and limits "the range of illumination" by the sea
+//! level alone. A lamp has a range of its own. So volumes may end beyond it, the stencil may be cut to where the lit
+//! sphere or cone is seen, or to its depths, and casters out of reach may be left out: each is a case by itself.
+
+mod drawing;
+mod night;
+
+pub(crate) use self::night::picture;
+
+use crate::views::Place;
+use crate::work::{ChannelTotals, closed, port_m};
+use glam::DVec3;
+use terrafill_casters::{EdgeTable, Facing, Prepared, Reach, Side, Volume};
+use terrafill_shadow_views::{
+    Beam, DeckCamera, Lamp, LampReference, Light, NONE, Pass, Rule, Stencil, Truth, Wrong, box_of,
+    bridge, deck_eyes,
+};
+
+/// Eyes on deck among which one in shadow is looked for, and the picture by which it is chosen.
+const TRIED: usize = 400;
+const TRIED_SIZE: [u32; 2] = [24, 18];
+/// What such an eye must see of either light, pixels of that picture.
+const SEEN: usize = 30;
+/// Share of the reach of a scissor that is too small.
+const TOO_SMALL: f64 = 0.5;
+
+terrafill_results::named! {
+    /// A light.
+    all pub(crate) enum LampName {
+        /// 33 m up at a leg of the middle crane, over the edge of the dock.
+        Shore = "shore light",
+        /// On the foremast of the moored ship.
+        Deck = "deck light",
+        /// On own ship's foremast, onto the moored ship.
+        Search = "searchlight",
+    }
+}
+
+impl LampName {
+    fn lamp(self) -> Lamp {
+        let to_all_sides = |place, range_m| Lamp {
+            place,
+            range_m,
+            beam: None,
+        };
+        match self {
+            // Beside the leg, whose face is at y = −8.2.
+            Self::Shore => to_all_sides(DVec3::new(6.0, -9.2, 33.0), 100.0),
+            // A metre aft of the mast at x = 72.
+            Self::Deck => to_all_sides(DVec3::new(71.0, -30.0, 21.5), 60.0),
+            Self::Search => {
+                // Beside the mast, which would else leave the bridge in its shadow.
+                let place = DVec3::new(-6.3, -113.3, 20.0);
+                let beam = Beam {
+                    axis: (DVec3::new(-45.0, -30.0, 12.0) - place).normalize(),
+                    half_deg: 14.0,
+                };
+                Lamp {
+                    beam: Some(beam),
+                    ..to_all_sides(place, 200.0)
+                }
+            }
+        }
+    }
+
+    /// From where it is looked at. Of the searchlight an eye on the dock sees little: the moored ship stands between.
+    pub(crate) fn eyes(self) -> &'static [LampEye] {
+        match self {
+            Self::Search => &[LampEye::Bridge, LampEye::Aerial],
+            Self::Shore | Self::Deck => &LampEye::ALL,
+        }
+    }
+
+    /// The channel of the bridge that has it in view.
+    fn channel(self) -> usize {
+        match self {
+            Self::Deck => 3,
+            Self::Shore | Self::Search => 4,
+        }
+    }
+}
+
+terrafill_results::named! {
+    /// From where it is seen.
+    all pub(crate) enum LampEye {
+        Bridge = "bridge",
+        Aerial = "aerial",
+        /// On deck, in the shadow of something.
+        InShadow = "eye in shadow",
+    }
+}
+
+terrafill_results::named! {
+    /// How far its shadows are drawn.
+    all pub(crate) enum Limit {
+        Off = "off",
+        /// Volumes end beyond the range.
+        Range = "volumes end beyond it",
+        /// Their corners end at the range: a twin that must lose pixels.
+        OnSphere = "volumes' corners end at it",
+        /// A scissor round what is in reach.
+        Scissor = "scissor",
+        /// One of half the range and half the beam: a twin that must lose pixels.
+        HalfScissor = "scissor of half of it",
+        /// Between the least and the greatest depth in reach.
+        Bounds = "depth bounds",
+        /// Parts that cannot be in reach are left out.
+        Casters = "casters in reach",
+    }
+}
+
+impl Limit {
+    /// Twins that are too small.
+    pub(crate) fn may_be_wrong(self) -> bool {
+        matches!(self, Self::OnSphere | Self::HalfScissor)
+    }
+}
+
+/// The port under a lamp, from one eye.
+pub(crate) struct LampScene {
+    pub(crate) lamp: Lamp,
+    pub(crate) view: DeckCamera,
+    pub(crate) truth: Truth,
+    prepared: Prepared,
+    facing: Facing,
+    sides: Vec<Side>,
+}
+
+impl LampScene {
+    pub(crate) fn new(name: LampName, eye: LampEye, size: [u32; 2]) -> Result<Self, String> {
+        let prepared = closed(port_m()?)?;
+        let mesh = &prepared.mesh;
+        let lamp = name.lamp();
+        let reference = LampReference::new(mesh, lamp);
+        let view = match eye {
+            LampEye::Bridge => bridge(size)[name.channel()],
+            LampEye::Aerial => Place::Aerial.view(size),
+            LampEye::InShadow => {
+                let is_it = |view: &DeckCamera| {
+                    let is_dark = lamp.reaches(view.eye) && reference.is_shadowed(view.eye, None);
+                    is_dark && {
+                        let truth = reference.picture(&view.sized(TRIED_SIZE));
+                        [Light::Lit, Light::Shadow]
+                            .iter()
+                            .all(|light| truth.count(*light) > SEEN)
+                    }
+                };
+                let eyes = deck_eyes(mesh, TRIED, 0.5);
+                let found = eyes.into_iter().find(is_it);
+                let none = || format!("{}: none of {TRIED} eyes is in shadow", name.name());
+                found.ok_or_else(none)?.sized(size)
+            }
+        };
+        let truth = reference.picture(&view);
+        let facing = Facing::towards(mesh, lamp.place);
+        Ok(Self {
+            sides: EdgeTable::of(mesh).sides(&prepared, &facing),
+            lamp,
+            view,
+            truth,
+            facing,
+            prepared,
+        })
+    }
+
+    fn volume(&self, limit: Limit) -> Volume {
+        let reach = match limit {
+            Limit::Range => Reach::Range(self.lamp.range_m),
+            Limit::OnSphere => Reach::OnSphere(self.lamp.range_m),
+            _ => Reach::Infinite,
+        };
+        let light = self.lamp.place;
+        Volume::of_lamp(&self.prepared, &self.facing, &self.sides, light, reach)
+    }
+
+    /// Of each part, whether a sphere round it meets the lamp's reach.
+    fn parts_in_reach(&self) -> Vec<bool> {
+        let mesh = &self.prepared.mesh;
+        let meets = |part: &terrafill_casters::ConvexPart| {
+            let [low, high] = box_of(&mesh.vertices[part.vertices.clone()]);
+            let (along, radius) = (
+                (low + high) / 2.0 - self.lamp.place,
+                (high - low).length() / 2.0,
+            );
+            let away = along.length();
+            let is_beside = self.lamp.beam.is_some_and(|beam| {
+                away > radius
+                    && along.angle_between(beam.axis)
+                        > beam.half_deg.to_radians() + (radius / away).asin()
+            });
+            away - radius <= self.lamp.range_m && !is_beside
+        };
+        mesh.parts.iter().map(meets).collect()
+    }
+
+    /// Counts volumes along the rays of pixels.
+    pub(crate) fn drawn(&self, rule: Rule, limit: Limit) -> ChannelTotals {
+        let (view, volume) = (&self.view, self.volume(limit));
+        let rectangle = match limit {
+            Limit::Scissor => self.lamp.rectangle(view, 1.0),
+            Limit::HalfScissor => self.lamp.rectangle(view, TOO_SMALL),
+            _ => view.whole(),
+        };
+        let count = self.prepared.mesh.parts.len();
+        let mut parts = vec![(rectangle != NONE).then_some((rule, rectangle)); count];
+        if limit == Limit::Casters {
+            let all = parts.iter_mut().zip(self.parts_in_reach());
+            for (part, _) in all.filter(|(_, is_in_reach)| !is_in_reach) {
+                *part = None;
+            }
+        }
+        let bounds = match limit {
+            Limit::Bounds => vec![self.lamp.depths(view); count],
+            _ => Vec::new(),
+        };
+        let pass = Pass { parts, bounds };
+        let stencil = Stencil::of(view, &self.prepared.mesh, &volume, &self.truth, &pass);
+        let mask = stencil.mask();
+        ChannelTotals {
+            wrong: Wrong::of(&mask, &self.truth),
+            updates: stencil.updates,
+            max_overlap: stencil.counts.into_iter().max().unwrap_or(0),
+            volume_triangles: volume.triangles.len(),
+            masks: vec![mask],
+        }
+    }
+
+    /// Shadow pixels of the reference that are lit, in the band too.
+    pub(crate) fn lost(&self, mask: &[bool]) -> usize {
+        let pixels = mask.iter().zip(&self.truth.light);
+        pixels
+            .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
+            .count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_eye_is_found_that_its_lamp_does_not_see() {
+        let is_asked = |name: &LampName| name.eyes().contains(&LampEye::InShadow);
+        for name in LampName::ALL.into_iter().filter(is_asked) {
+            let scene = LampScene::new(name, LampEye::InShadow, [24, 18]).expect("an eye");
+            let mesh = &scene.prepared.mesh;
+            let reference = LampReference::new(mesh, scene.lamp);
+            assert!(
+                reference.is_shadowed(scene.view.eye, None),
+                "{}",
+                name.name()
+            );
+            // Negative control: the lamp itself.
+            assert!(!reference.is_shadowed(scene.lamp.place - DVec3::Z * 1e-3, None));
+        }
+    }
+
+    #[test]
+    fn every_limit_writes_no_more_and_loses_nothing_unless_it_is_too_small() {
+        let mut lost = [0; Limit::ALL.len()];
+        for name in LampName::ALL {
+            let scene = LampScene::new(name, LampEye::Bridge, [48, 36]).expect("a port");
+            let counts = [
+                Light::Lit,
+                Light::Shadow,
+                Light::OutOfReach,
+                Light::Undecided,
+            ];
+            let [lit, dark, beyond, apart] = counts.map(|light| scene.truth.count(light));
+            let seen = format!("{}: {lit} lit, {dark} dark, {beyond} beyond", name.name());
+            assert!(lit > 20 && dark > 20 && beyond > 100, "{seen}");
+            assert_eq!(apart, 0);
+            for rule in [Rule::Pass, Rule::Fail] {
+                let whole = scene.drawn(rule, Limit::Off);
+                for (limit, lost) in Limit::ALL.into_iter().zip(&mut lost) {
+                    let own = scene.drawn(rule, limit);
+                    let what = format!("{} {} {}", name.name(), rule.name(), limit.name());
+                    eprintln!("{what}: {} writes, {:?}", own.updates, own.wrong);
+                    *lost += own.wrong.all();
+                    if !limit.may_be_wrong() {
+                        assert_eq!(own.wrong.outside(), 0, "{what}");
+                        assert_eq!(
+                            scene.lost(&own.masks[0]),
+                            scene.lost(&whole.masks[0]),
+                            "{what}"
+                        );
+                    }
+                    assert!(own.updates <= whole.updates, "{what}");
+                }
+            }
+        }
+        // Negative controls.
+        for limit in [Limit::OnSphere, Limit::HalfScissor] {
+            assert!(lost[limit as usize] > 0, "{}: {lost:?}", limit.name());
+        }
+    }
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cases under lights at a place.
+
+use super::Answering;
+use super::answers::{seen_figures, verdict_of};
+use crate::drawing::plausible;
+use crate::job::Job;
+use crate::lamps::{LampEye, LampName, LampScene, Limit, picture};
+use crate::metrics::{MISCOUNTED, SHADOW_REACHED_PX};
+use crate::work::Pixels;
+use terrafill_results::Verdict;
+use terrafill_shadow_views::{Interface, Light, Rule, write};
+use terrafill_study::{Failure, Figures, file_stem, write_photo, write_rgb};
+
+impl LampScene {
+    fn figures(&self, mask: &[bool], volume_triangles: usize) -> Figures {
+        let count = |light| self.truth.count(light);
+        let (all, shadow) = (self.truth.light.len(), count(Light::Shadow));
+        let receivers = all - count(Light::Sky);
+        let pixels = Pixels {
+            all,
+            receivers,
+            shadow,
+            ..Pixels::default()
+        };
+        let mut figures = vec![
+            (
+                SHADOW_REACHED_PX.name,
+                (receivers - count(Light::OutOfReach)) as f64,
+            ),
+            ("shadow_edge_on_px", count(Light::EdgeOn) as f64),
+            ("shadow_undecided_px", count(Light::Undecided) as f64),
+            ("shadow_volume_triangles", volume_triangles as f64),
+        ];
+        figures.extend(seen_figures(pixels, self.lost(mask)));
+        figures
+    }
+}
+
+impl Answering<'_> {
+    /// The port under a lamp, made if the last one is another.
+    fn lamp(
+        &mut self,
+        name: LampName,
+        eye: LampEye,
+        size: [u32; 2],
+    ) -> Result<&LampScene, Failure> {
+        let key = format!("{} {} {size:?}", name.name(), eye.name());
+        if self.lamp.as_ref().is_none_or(|(own, _)| *own != key) {
+            self.lamp = Some((key, LampScene::new(name, eye, size)?));
+        }
+        let lamp = self.lamp.as_ref().map(|(_, scene)| scene);
+        lamp.ok_or_else(|| "no lamp".to_owned().into())
+    }
+
+    /// Counted along rays, in the channel of the bridge that sees it.
+    pub(super) fn lamp_counted(
+        &mut self,
+        name: LampName,
+        rule: Rule,
+        limit: Limit,
+    ) -> Result<Verdict, Failure> {
+        let size = self.question.size;
+        let scene = self.lamp(name, LampEye::Bridge, size)?;
+        let drawn = scene.drawn(rule, limit);
+        let mask = drawn.masks.first().ok_or_else(|| "no mask".to_owned())?;
+        let mut figures = scene.figures(mask, drawn.volume_triangles);
+        let pixels = scene.truth.light.len() as f64;
+        figures.push(("shadow_updates", drawn.updates as f64 / pixels));
+        Ok(verdict_of(drawn.wrong, figures))
+    }
+
+    /// By a device, and painted for people.
+    pub(super) fn lamp_drawn(&mut self, job: Job) -> Result<Verdict, Failure> {
+        let Job::DeviceLamp(name, eye, interface, rule, limit) = job else {
+            return Err("no device draws it".to_owned().into());
+        };
+        let (context, loses_nothing) = (self.context, self.question.loses_nothing);
+        let size = self.question.frame_size;
+        let scene = self.lamp(name, eye, size)?;
+        let drawn = scene.drawn_by(context.devices, interface, rule, limit)?;
+        let mut figures = scene.figures(&drawn.mask, drawn.volume_triangles);
+        figures.extend([
+            ("shadow_rim_px", drawn.wrong.at_rims as f64),
+            ("shadow_draws", drawn.counters.draws as f64),
+        ]);
+        let dark = drawn.mask.iter().filter(|is_dark| **is_dark).count();
+        let fragments = plausible(drawn.counters.stencil_fragments, dark);
+        let share = |count: u64| count as f64 / drawn.mask.len() as f64;
+        if let Ok(Some(count)) = fragments {
+            figures.push(("shadow_fragments", share(count)));
+        }
+        let mut verdict = verdict_of(drawn.wrong, figures);
+        let words = [
+            name.name(),
+            eye.name(),
+            interface.name(),
+            rule.name(),
+            limit.name(),
+        ];
+        let stem = file_stem(&words.join("-"));
+        let path = write(context.folder, &stem, &scene.truth, Some(&drawn.mask))?;
+        verdict.notes.push(("image", path));
+        // The same by every way.
+        if Job::is_painted(interface, rule, limit) {
+            let write = if loses_nothing {
+                write_rgb
+            } else {
+                write_photo
+            };
+            let painted = picture(scene, &drawn.mask).concat();
+            let name = format!("shadows-{stem}-by-night");
+            verdict
+                .notes
+                .push(("map", write(context.folder, &name, size, &painted)?));
+        }
+        if let Err(miscounted) = fragments {
+            verdict.notes.push((MISCOUNTED, miscounted));
+        }
+        Ok(verdict)
+    }
+}
+
+impl Job {
+    /// Of which of a lamp's pictures by devices there is one for people.
+    fn is_painted(interface: Interface, rule: Rule, limit: Limit) -> bool {
+        (interface, rule, limit) == (Interface::Wgpu, Rule::Fail, Limit::Off)
+    }
+}
