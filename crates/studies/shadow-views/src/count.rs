@@ -222,13 +222,13 @@ impl Spanned {
     }
 }
 
-/// Of each pixel, whether its centre lies in a triangle of the volumes that is so thin there that it lies in none of
-/// four places beside it.
+/// Of each pixel, whether its centre lies in a triangle of the volumes that is so thin there, along a row, a column or a
+/// diagonal, that it ends on both sides of the centre.
 ///
 /// Corners are rounded to 1/256 of a pixel: such a triangle may be seen from either side, or from neither. Two passes
 /// that each leave out one side then leave it out twice, as llvmpipe does.
 ///
-/// - `beside_px`: how far to the right or left, and up or down
+/// - `beside_px`: within so many columns and rows of the centre
 pub fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> {
     let mut held = vec![false; view.pixel_count()];
     for triangle in &volume.triangles {
@@ -243,11 +243,14 @@ pub fn slivers(view: &DeckCamera, volume: &Volume, beside_px: f64) -> Vec<bool> 
         let seen = around(view, &spanned.corners);
         fill(view, &spanned, seen, |at, _, _| {
             let [column, row] = view.pixel(at);
-            let around = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
-            held[at] |= !around.into_iter().any(|way| {
-                let beside = way.map(|steps: f64| steps * beside_px);
+            let is_inside = |way: [f64; 2], side_px: f64| {
+                let beside = way.map(|steps| steps * side_px);
                 spanned.is_inside(view.ray_beside(column, row, beside), is_positive)
-            });
+            };
+            let ways = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]];
+            held[at] |= ways
+                .into_iter()
+                .any(|way| !is_inside(way, beside_px) && !is_inside(way, -beside_px));
         });
     }
     held
