@@ -362,6 +362,7 @@ fn a_value_for_each_model_stands_by_its_clears_its_picture_and_its_time() {
         {
             let conditions = [
                 ("question", "outlines"),
+                ("stroke_px", "3"),
                 ("models", "255"),
                 ("outline", way),
             ];

@@ -31,15 +31,17 @@ impl Scene {
             (reference.light(view, ray, seen), place)
         };
         let (_, own) = look([0, 0]);
-        let mut around = (-1..=1).flat_map(|right| (-1..=1).map(move |down| [right, down]));
-        around.any(|way| {
-            let (found, other) = look(way);
-            let is_other_light =
-                found == light || matches!(found, Light::EdgeOn | Light::Undecided);
-            let ends = own.zip(other);
-            let is_between = |(own, other)| self.is_side_between(own, other);
-            is_other_light || ends.is_some_and(is_between)
-        })
+        let ways = || (-1..=1).flat_map(|right| (-1..=1).map(move |down| [right, down]));
+        let is_other_light = |way| {
+            let (found, _) = look(way);
+            found == light || matches!(found, Light::EdgeOn | Light::Undecided)
+        };
+        // Every side of every caster is asked, so along the diagonals alone, and last.
+        let is_side_crossed = |way: [i32; 2]| {
+            let ends = own.zip(look(way).1);
+            ends.is_some_and(|(own, other)| self.is_side_between(own, other))
+        };
+        ways().any(is_other_light) || ways().filter(|way| !way.contains(&0)).any(is_side_crossed)
     }
 
     /// Whether the boundary of a part's shadow lies between two places: a silhouette edge crosses what is
