@@ -12,6 +12,10 @@ const IN_TEST: char = '\u{1}';
 
 /// Lines of a file at most, tests that stand in it counted.
 const MAX_LINES: usize = 700;
+/// Names that a crate of the contract exports at most: who implements it meets them all.
+const MAX_NAMES: usize = 60;
+/// Folder of these crates.
+const CONTRACT: &str = "crates/contract/";
 
 /// Lines of source outside tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -57,29 +61,54 @@ pub(crate) fn count(root: &Path) -> Result<String> {
     Ok(text)
 }
 
-/// No file outside tests is longer than [`MAX_LINES`].
+/// No file outside tests is longer than [`MAX_LINES`], and no crate of the contract exports more than [`MAX_NAMES`].
 pub(crate) fn check(root: &Path) -> Result<String> {
-    let (mut files, mut longest, mut too_long) = (0, 0, Vec::new());
+    let (mut files, mut longest, mut most, mut too_long) = (0, 0, 0, Vec::new());
     for one in crates(root)? {
+        if one.name.starts_with(CONTRACT) {
+            let names = one.files.first().map_or(0, |root| exported(&root.text));
+            most = most.max(names);
+            if names > MAX_NAMES {
+                too_long.push(format!(
+                    "{}: {names} exported names, allowed {MAX_NAMES}",
+                    one.name
+                ));
+            }
+        }
         for file in &one.files {
             let lines = file.text.lines().count();
             files += 1;
             longest = longest.max(lines);
             if lines > MAX_LINES {
                 let module = file.module.join("::");
-                too_long.push(format!("{}, module {module:?}: {lines} lines", one.name));
+                too_long.push(format!(
+                    "{}, module {module:?}: {lines} lines, allowed {MAX_LINES}; tests may stand in a file of their own",
+                    one.name
+                ));
             }
         }
     }
     if !too_long.is_empty() {
-        bail!(
-            "{}\nallowed: {MAX_LINES} lines; tests may stand in a file of their own",
-            too_long.join("\n")
-        );
+        bail!(too_long.join("\n"));
     }
     Ok(format!(
-        "{files} files outside tests, the longest has {longest} lines of at most {MAX_LINES}"
+        "{files} files outside tests, the longest has {longest} lines of at most {MAX_LINES}; a crate of the contract exports {most} names of at most {MAX_NAMES}"
     ))
+}
+
+/// Names that the root of a crate exports: those that it re-exports, and its own items.
+fn exported(root: &str) -> usize {
+    let code = without_comments(root);
+    let uses = code.split("pub use ").skip(1);
+    let names = uses.map(|rest| {
+        let tree = rest.split(';').next().unwrap_or_default();
+        let names = tree.split(['{', '}', ',']).map(str::trim);
+        names
+            .filter(|name| !name.is_empty() && !name.ends_with("::"))
+            .count()
+    });
+    let is_item = |line: &&str| line.starts_with("pub ") && !line.starts_with("pub use ");
+    names.sum::<usize>() + code.lines().filter(is_item).count()
 }
 
 fn lines_of(text: &str) -> Lines {
@@ -119,6 +148,28 @@ mod tests {
         expected.code += 3;
         expected.comments += 1;
         assert_eq!(lines_of(&TEXT.replace("#[cfg(test)]\n", "")), expected);
+    }
+
+    #[test]
+    fn exported_names_are_counted_and_too_many_refused() {
+        let root =
+            "pub use a::{B, c::{D, E},\n F}; // G\npub use h::I;\nuse j::K;\npub fn l() {}\n";
+        assert_eq!(exported(root), 6);
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let source = folder.path().join(CONTRACT).join("one/src");
+        std::fs::create_dir_all(&source).expect("writable");
+        std::fs::create_dir_all(folder.path().join("xtask")).expect("writable");
+        std::fs::write(source.join("../Cargo.toml"), "").expect("writable");
+        let mut text = "pub const A: u8 = 0;\n".repeat(MAX_NAMES);
+        std::fs::write(source.join("lib.rs"), &text).expect("writable");
+        assert!(check(folder.path()).is_ok());
+        text += "pub const A: u8 = 0;\n";
+        std::fs::write(source.join("lib.rs"), &text).expect("writable");
+        let refused = check(folder.path()).expect_err("one too many").to_string();
+        assert!(
+            refused.contains("61 exported names, allowed 60"),
+            "{refused}"
+        );
     }
 
     #[test]

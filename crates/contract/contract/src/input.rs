@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{DeviceError, MAX_REGIONS, ViewId};
+use crate::picture::MAX_REGIONS;
+use crate::{DeviceError, ViewId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};

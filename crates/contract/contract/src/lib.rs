@@ -43,7 +43,7 @@ pub use identity::ViewId;
 pub use input::{FillInput, PreparedScene};
 pub use needs::{Feature, Need, Needs};
 pub use palette::{Colours, paint, region_colour};
-pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
+pub use picture::{NO_REGION, Picture, ids_of};
 pub use surface_renderer::{SurfaceDevice, SurfaceDraw, SurfaceTriangles};
 pub use surface_view::{SurfaceLook, SurfaceView, ViewConstants};
 pub use targets::{Api, SurfaceInterface, SurfaceTargets, Targets};

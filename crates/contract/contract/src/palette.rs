@@ -80,7 +80,8 @@ pub fn paint(frame: &Frame) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MAX_REGIONS, Picture, ids_of};
+    use crate::picture::MAX_REGIONS;
+    use crate::{Picture, ids_of};
     use terrafill_scene::ImageSize;
 
     #[test]

@@ -7,7 +7,7 @@ use terrafill_scene::ImageSize;
 pub const NO_REGION: u32 = 0;
 
 /// Regions that [`crate::Colours::Ids`] can tell apart.
-pub const MAX_REGIONS: usize = (1 << 24) - 1;
+pub(crate) const MAX_REGIONS: usize = (1 << 24) - 1;
 
 /// A picture read back.
 #[derive(Debug, Clone)]

@@ -28,22 +28,18 @@ pub use ablation::{
     missing_steps, work_exponent,
 };
 pub use budget::{Contender, cheapest_within, some_of};
-pub use case_claims::{CaseFigures, CaseGrowth, CaseRatio, CaseTest, ClaimedTime, StudyClaims};
+pub use case_claims::{ClaimedTime, StudyClaims};
 pub use cases::{
     Best, Cases, distinct, finding, grouped, in_every_group, log_slope, measured, none_differs,
     range,
 };
-pub use claims::{
-    Basis, ClaimAnswer, Claimed, Paper, PaperError, Tested, claims_blocks, claims_table,
-};
+pub use claims::{ClaimAnswer, Claimed, Paper, PaperError, Tested, claims_blocks, claims_table};
 pub use comparison::{Answer, Comparison, Follows, REFUSED, Refused, is_more, overall, sentences};
 pub use curves::{Drawing, Panel, draw, slope_one};
 pub use figure::{Figure, Names};
 pub use lines::Lines;
-pub use page_claims::{Bound, ClaimSum, PageFigure};
-pub use published::{PublishedRatio, PublishedTable};
-pub use section::{Absent, Column, MoreOf, Section, SectionedChapter, Select, case_table};
-pub use settling::{
-    answers_with_commands, bench_command, full_command, scene_argument, with_commands,
-};
-pub use timings::{Timings, band_sentence, sums_by_process};
+pub use page_claims::Bound;
+pub use published::PublishedTable;
+pub use section::{Column, Section, SectionedChapter, Select, case_table};
+pub use settling::{answers_with_commands, full_command, scene_argument, with_commands};
+pub use timings::{Timings, band_sentence};

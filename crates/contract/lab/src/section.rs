@@ -214,7 +214,7 @@ pub enum Select {
 }
 
 /// A further block of a section, such as a second plot.
-pub type MoreOf = fn(&Cases<'_>) -> Result<Option<Block>, ChapterError>;
+pub(crate) type MoreOf = fn(&Cases<'_>) -> Result<Option<Block>, ChapterError>;
 
 /// A section. What it lacks is taken from [`Section::EMPTY`].
 #[derive(Debug, Clone, Copy)]

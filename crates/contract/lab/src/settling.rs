@@ -39,7 +39,7 @@ pub fn scene_argument<'a>(environment: &'a RunEnvironment, scene: &'a str) -> &'
 /// - `study`: alone, as others would only take time
 /// - `scene`: alone; empty for all scenes of the run
 #[must_use]
-pub fn bench_command(
+pub(crate) fn bench_command(
     environment: &RunEnvironment,
     study: &str,
     scene: &str,

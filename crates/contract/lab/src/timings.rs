@@ -150,7 +150,7 @@ pub fn band_sentence(noise: Option<Noise>) -> String {
 
 /// Sums over cases by process, of the processes that measured all of them.
 #[must_use]
-pub fn sums_by_process(cases: &[&Case], metric: &Metric) -> BTreeMap<u32, f64> {
+pub(crate) fn sums_by_process(cases: &[&Case], metric: &Metric) -> BTreeMap<u32, f64> {
     let medians = cases.iter().map(|case| process_medians(case, metric));
     let medians: Vec<BTreeMap<u32, f64>> = medians.collect();
     let processes = medians.first().into_iter().flat_map(BTreeMap::keys);
