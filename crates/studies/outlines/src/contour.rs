@@ -18,16 +18,8 @@ pub(crate) struct Stroke {
 /// Strokes of all models, and which are each one's. By one sign a plane in `f64`, and stored adjacency.
 pub(crate) fn strokes(fleet: &Fleet) -> (Vec<Stroke>, Vec<Range<u32>>) {
     let (mesh, eye) = (&fleet.mesh, fleet.camera.eye);
-    let planes = mesh.planes.iter().enumerate();
-    let is_lit = planes.map(|(triangle, plane)| {
-        let [corner, ..] = mesh.corners(triangle);
-        mesh.normals[*plane as usize].dot(eye - corner) > 0.0
-    });
-    let facing = Facing {
-        is_lit: is_lit.collect(),
-    };
     // In the order of vertices, hence of models.
-    let sides = EdgeTable::of(mesh).silhouette(&facing);
+    let sides = EdgeTable::of(mesh).silhouette(&Facing::towards(mesh, eye));
     let (mut all, mut ranges) = (Vec::with_capacity(sides.len()), Vec::new());
     let mut rest = sides.as_slice();
     for model in 0..mesh.casters.len() {

@@ -2,8 +2,8 @@
 //! What pixels must show, in `f64`: the method played through at the middle of each pixel, model after model.
 //!
 //! A model owns a pixel where its nearest face is nearer than what is there. A stroke then covers what lies within half
-//! its width of a contour edge, at the depth of the nearest point of that edge, and is kept where it is nearer than what
-//! is there and the model does not own the pixel. Owners are known by number: no value repeats.
+//! its width of a contour edge, at the depth of the nearest point of that edge. It is kept where it is nearer than what is
+//! there and the model does not own the pixel. Owners are known by number: no value repeats.
 //!
 //! Devices round. Where a border lies within [`BAND_PX`] of the middle, or two depths within what explains, both outcomes
 //! are followed. A pixel may show what any of them leaves. Facing is one sign a triangle from its own corners, contours

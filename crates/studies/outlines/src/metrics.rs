@@ -25,7 +25,7 @@ terrafill_results::metrics! {
     /// Wrong pixels.
     SHADOW_CONTOUR_PX = Metric::error_px(
         "shadow_contour_px",
-        "Pixels of a device's picture with outlines that show what the method does not leave there, in f64 and whatever the rounding: strokes inside their own model, strokes that are missing beside it, and any other number of a model.",
+        "Pixels of a device's picture with outlines that show what the method leaves there by no rounding, in f64. They are strokes inside their own model, strokes missing beside it, and any other number of a model.",
     );
     /// Clears.
     SHADOW_CLEARS = Metric::counter(

@@ -26,7 +26,7 @@ terrafill_results::named! {
         Value = "value",
         /// As printed: they pass where it is equal.
         ValueAsPrinted = "value as printed",
-        /// Values that come round without a clear: the failing twin.
+        /// Values that come round without a clear: a negative control.
         ValueNeverCleared = "value, never cleared",
     }
 }
@@ -170,27 +170,16 @@ impl OnWgpu {
             .filter(|_| models.end == self.models.len());
         let numbers = self.numbers.create_view(&Default::default());
         let depth_stencil = self.depth_stencil.create_view(&Default::default());
-        let loaded = |clear| {
-            if is_first {
-                wgpu::LoadOp::Clear(clear)
-            } else {
-                wgpu::LoadOp::Load
-            }
-        };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("outlines"),
             color_attachments: &[Some(attached(
                 &numbers,
-                if is_first {
-                    wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)
-                } else {
-                    wgpu::LoadOp::Load
-                },
+                loaded(is_first, wgpu::Color::TRANSPARENT),
             ))],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depth_stencil,
                 depth_ops: Some(wgpu::Operations {
-                    load: loaded(0.0),
+                    load: loaded(is_first, 0.0),
                     store: wgpu::StoreOp::Store,
                 }),
                 stencil_ops: Some(wgpu::Operations {
@@ -222,6 +211,15 @@ impl OnWgpu {
     pub(crate) fn read(&self) -> Result<Vec<u32>, DeviceError> {
         let bytes = read_texture(&self.gpu, &self.numbers, wgpu::TextureAspect::All)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+}
+
+/// What a pass begins with: the value that a frame begins with, or what the pass before left.
+fn loaded<V>(is_first: bool, begins_with: V) -> wgpu::LoadOp<V> {
+    if is_first {
+        wgpu::LoadOp::Clear(begins_with)
+    } else {
+        wgpu::LoadOp::Load
     }
 }
 

@@ -222,8 +222,8 @@ impl Spanned {
     }
 }
 
-/// Of each pixel, whether its centre lies in a triangle of the volumes that is so thin there, along a row, a column or a
-/// diagonal, that it ends on both sides of the centre.
+/// Of each pixel, whether its centre lies in a triangle of the volumes that is thin there: along a row, a column or a
+/// diagonal it ends on both sides of the centre.
 ///
 /// Corners are rounded to 1/256 of a pixel: such a triangle may be seen from either side, or from neither. Two passes
 /// that each leave out one side then leave it out twice, as llvmpipe does.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What the parts of study `shadows` share: cameras in the port, rays as the reference, volumes counted as a stencil
-//! counts them, rectangles and near planes, and devices that draw volumes.
+//! What the parts of study `shadows` share: cameras in the port, and rays as the reference. Volumes are counted as a
+//! stencil counts them, within rectangles and near planes, or drawn by devices.
 //!
 //! Metres, `f64`, ENU axes from the sea at the origin, as `terrafill-casters` has them.
 
@@ -11,6 +11,7 @@ mod lamp;
 mod near;
 mod positions;
 mod reference;
+mod rounding;
 mod scissor;
 mod sea;
 mod seen;
@@ -24,6 +25,7 @@ pub use lamp::{Beam, Lamp, LampReference};
 pub use near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, near_caps, shadowed_share};
 pub use positions::{Positions, count, eye_vertices};
 pub use reference::{Light, Reference, SEA_RADIUS_M, Seen, Truth};
+pub use rounding::{ROUNDING_PX, is_within_rounding};
 pub use scissor::{
     NONE, above_horizon, around, around_pixels, cut, depths_of_parts, joined, of_parts,
 };

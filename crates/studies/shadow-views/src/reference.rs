@@ -77,6 +77,15 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// Shadow pixels that a mask has lit, in the band too.
+    #[must_use]
+    pub fn lost(&self, mask: &[bool]) -> usize {
+        let pixels = mask.iter().zip(&self.light);
+        pixels
+            .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
+            .count()
+    }
+
     /// Asks for what a ray through each pixel's centre sees, and its light.
     pub(crate) fn of(view: &DeckCamera, ask: impl Fn(DVec3) -> (Seen, Light)) -> Self {
         let pixels = (0..view.pixel_count()).map(|at| {

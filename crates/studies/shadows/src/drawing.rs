@@ -8,14 +8,14 @@
 use crate::loading::{Loadable, program};
 use crate::tiling::tiled;
 use crate::way::{Bounds, Cut, DeviceWay, Silhouettes};
-use crate::work::{End, ROUNDING_PX, Scene};
+use crate::work::{End, Scene};
 use std::cell::LazyCell;
 use terrafill_casters::Volume;
 use terrafill_contract::{DeviceError, Devices, Frame, SurfaceView, mask_hash};
 use terrafill_scene::ImageSize;
 use terrafill_shadow_views::{
-    Channel, DeckCamera, Draws, Light, Reference, Retile, VolumeSource, Wrong, constants, count,
-    listed, seen_by, slivers,
+    Channel, DeckCamera, Draws, Light, ROUNDING_PX, Reference, Retile, VolumeSource, Wrong,
+    constants, count, listed, seen_by, slivers,
 };
 use terrafill_stencil::{StencilWork, VolumeList};
 use terrafill_study::Failure;
@@ -121,9 +121,7 @@ impl Scene {
             };
             let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
             drawn.wrong = drawn.wrong.plus(wrong);
-            let pixels = || mask.iter().zip(&truth.light);
-            let is_lost = |(dark, light): &(&bool, &Light)| !**dark && **light == Light::Shadow;
-            drawn.lost += pixels().filter(is_lost).count();
+            drawn.lost += truth.lost(&mask);
             drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(channel.bytes[at]));
             drawn.left_out += channel.left_out;
             drawn.draws += counters.draws;
@@ -138,7 +136,8 @@ impl Scene {
                 .zip(counted)
                 .map(|(before, own)| before + own);
             // What is sky has no shadow, whatever the count there.
-            all.extend(pixels().map(|(dark, light)| *dark && *light != Light::Sky));
+            let pixels = mask.iter().zip(&truth.light);
+            all.extend(pixels.map(|(dark, light)| *dark && *light != Light::Sky));
             if at == darkest {
                 drawn.build_ms = channel.build_ms;
             }

@@ -2,8 +2,8 @@
 //! The port by night, under lights at a place: on a crane, on a mast, and a searchlight on own ship.
 //!
 //! The paper names the deck light, the searchlight and lights on shore, and limits "the range of illumination" by the sea
-//! level alone. A lamp has a range of its own. So volumes may end beyond it, the stencil may be cut to where the lit
-//! sphere or cone is seen, or to its depths, and casters out of reach may be left out: each is a case by itself.
+//! level alone. A lamp has a range of its own, and each limit by it is a case by itself. Volumes may end beyond it. The
+//! stencil may be cut to where the lit sphere or cone is seen, or to its depths. Casters out of reach may be left out.
 
 mod drawing;
 mod night;
@@ -99,11 +99,11 @@ terrafill_results::named! {
         Off = "off",
         /// Volumes end beyond the range.
         Range = "volumes end beyond it",
-        /// Their corners end at the range: a twin that must lose pixels.
+        /// Their corners end at the range: a negative control that must lose pixels.
         OnSphere = "volumes' corners end at it",
         /// A scissor round what is in reach.
         Scissor = "scissor",
-        /// One of half the range and half the beam: a twin that must lose pixels.
+        /// One of half the range and half the beam: a negative control that must lose pixels.
         HalfScissor = "scissor of half of it",
         /// Between the least and the greatest depth in reach.
         Bounds = "depth bounds",
@@ -113,7 +113,7 @@ terrafill_results::named! {
 }
 
 impl Limit {
-    /// Twins that are too small.
+    /// Negative controls, which are too small.
     pub(crate) fn may_be_wrong(self) -> bool {
         matches!(self, Self::OnSphere | Self::HalfScissor)
     }
@@ -227,14 +227,6 @@ impl LampScene {
             masks: vec![mask],
         }
     }
-
-    /// Shadow pixels of the reference that are lit, in the band too.
-    pub(crate) fn lost(&self, mask: &[bool]) -> usize {
-        let pixels = mask.iter().zip(&self.truth.light);
-        pixels
-            .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
-            .count()
-    }
 }
 
 #[cfg(test)]
@@ -283,8 +275,8 @@ mod tests {
                     if !limit.may_be_wrong() {
                         assert_eq!(own.wrong.outside(), 0, "{what}");
                         assert_eq!(
-                            scene.lost(&own.masks[0]),
-                            scene.lost(&whole.masks[0]),
+                            scene.truth.lost(&own.masks[0]),
+                            scene.truth.lost(&whole.masks[0]),
                             "{what}"
                         );
                     }

@@ -4,8 +4,6 @@
 mod rounding;
 mod staged;
 
-pub(crate) use self::rounding::ROUNDING_PX;
-
 use glam::DVec3;
 use std::cell::OnceCell;
 use terrafill_casters::{

@@ -4,13 +4,13 @@
 use super::{LampScene, Limit};
 use crate::loading::program;
 use crate::way::DeviceWay;
-use crate::work::{End, ROUNDING_PX};
+use crate::work::End;
 use glam::DVec3;
 use std::cell::LazyCell;
 use terrafill_contract::{Counters, Devices};
 use terrafill_shadow_views::{
-    EyeVolumes, Interface, LampReference, Light, Positions, Rule, VolumeSource, Wrong, constants,
-    count, eye_vertices, listed, seen_by, slivers,
+    EyeVolumes, Interface, LampReference, Light, Positions, ROUNDING_PX, Rule, VolumeSource, Wrong,
+    constants, count, eye_vertices, is_within_rounding, listed, seen_by, slivers,
 };
 use terrafill_stencil::{StencilWork, VolumeList};
 use terrafill_study::Failure;
@@ -79,28 +79,15 @@ impl LampScene {
         })
     }
 
-    /// Whether a device's rounding may give a pixel this light: as under the sun, by rays [`ROUNDING_PX`] beside its
-    /// centre, and by the boundary of a single part's shadow between the places that these meet.
+    /// Whether a device's rounding may give a pixel this light.
     fn is_within_rounding(&self, reference: &LampReference<'_>, at: usize, light: Light) -> bool {
-        let [column, row] = self.view.pixel(at);
-        let look = |right: f64, down: f64| {
-            let beside = [right, down].map(|steps| steps * ROUNDING_PX);
-            let ray = self.view.ray_beside(column, row, beside);
-            let seen = reference.seen(&self.view, ray);
-            let place = seen.depth().map(|depth| self.view.eye + ray * depth);
-            (reference.light(&self.view, ray, seen), place)
+        let view = &self.view;
+        let look = |ray: DVec3| {
+            let seen = reference.seen(view, ray);
+            (seen, reference.light(view, ray, seen))
         };
-        let (_, own) = look(0.0, 0.0);
-        // In the gap between two containers, which pixels in a row see edge-on, none of the four corners lies.
-        let steps = [-1.0, 0.0, 1.0];
-        let mut around = steps
-            .iter()
-            .flat_map(|right| steps.map(|down| (*right, down)));
-        around.any(|(right, down)| {
-            let (found, other) = look(right, down);
-            let is_other = found == light || matches!(found, Light::EdgeOn | Light::Undecided);
-            let is_between = |(own, other)| self.is_side_between(own, other);
-            is_other || own.zip(other).is_some_and(is_between)
+        is_within_rounding(view, at, light, look, |own, other| {
+            self.is_side_between(own, other)
         })
     }
 

@@ -2,7 +2,7 @@
 //! Pictures for people: the port by night, lit by a lamp, with the shadows that a device drew.
 //!
 //! Patterns and materials are those of the port by day. What a face has of the lamp falls off with the cosine of its
-//! angle, and with the square of the distance as a share of the range, so that nothing is lit beyond it.
+//! angle. It falls off with the square of the distance as a share of the range too, so that nothing is lit beyond it.
 
 use super::LampScene;
 use crate::shading::Painter;

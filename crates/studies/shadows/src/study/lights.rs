@@ -32,7 +32,7 @@ impl LampScene {
             ("shadow_undecided_px", count(Light::Undecided) as f64),
             ("shadow_volume_triangles", volume_triangles as f64),
         ];
-        figures.extend(seen_figures(pixels, self.lost(mask)));
+        figures.extend(seen_figures(pixels, self.truth.lost(mask)));
         figures
     }
 }

@@ -3,18 +3,10 @@
 
 use super::Scene;
 use glam::DVec3;
-use terrafill_shadow_views::{DeckCamera, Light, Reference};
-
-/// How far beside a pixel's centre a device may look: rasterisers round corners to 1/256 of a pixel, and a
-/// triangle thinner than some of these steps has any depth across it.
-pub(crate) const ROUNDING_PX: f64 = 8.0 / 256.0;
+use terrafill_shadow_views::{DeckCamera, Light, Reference, is_within_rounding};
 
 impl Scene {
     /// Whether a device's rounding may give a pixel this light.
-    ///
-    /// It may where the reference, [`ROUNDING_PX`] beside the pixel's centre along rows, columns or both, has that light or
-    /// judges none. It may too where the boundary of a single part's shadow is crossed on the way there: within the shadow of
-    /// others it is no boundary of light.
     pub(crate) fn is_within_rounding(
         &self,
         reference: &Reference<'_>,
@@ -22,26 +14,13 @@ impl Scene {
         at: usize,
         light: Light,
     ) -> bool {
-        let [column, row] = view.pixel(at);
-        let look = |[right, down]: [i32; 2]| {
-            let beside = [right, down].map(|way| f64::from(way) * ROUNDING_PX);
-            let ray = view.ray_beside(column, row, beside);
+        let look = |ray: DVec3| {
             let seen = reference.seen(view.eye, ray, view.near);
-            let place = seen.depth().map(|depth| view.eye + ray * depth);
-            (reference.light(view, ray, seen), place)
+            (seen, reference.light(view, ray, seen))
         };
-        let (_, own) = look([0, 0]);
-        let ways = || (-1..=1).flat_map(|right| (-1..=1).map(move |down| [right, down]));
-        let is_other_light = |way| {
-            let (found, _) = look(way);
-            found == light || matches!(found, Light::EdgeOn | Light::Undecided)
-        };
-        // Every side of every caster is asked, so along the diagonals alone, and last.
-        let is_side_crossed = |way: [i32; 2]| {
-            let ends = own.zip(look(way).1);
-            ends.is_some_and(|(own, other)| self.is_side_between(own, other))
-        };
-        ways().any(is_other_light) || ways().filter(|way| !way.contains(&0)).any(is_side_crossed)
+        is_within_rounding(view, at, light, look, |own, other| {
+            self.is_side_between(own, other)
+        })
     }
 
     /// Whether the boundary of a part's shadow lies between two places: a silhouette edge crosses what is
