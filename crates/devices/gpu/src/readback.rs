@@ -44,12 +44,13 @@ pub fn read_texture(
         size,
     );
     gpu.queue.submit([encoder.finish()]);
-    let padded = map_whole(gpu, &buffer)?;
-    let rows: Vec<&[u8]> = padded
-        .chunks(padded_row_bytes as usize)
-        .map(|row| &row[..row_bytes as usize])
-        .collect();
-    Ok(rows.concat())
+    map_whole(gpu, &buffer, |padded| {
+        let rows: Vec<&[u8]> = padded
+            .chunks(padded_row_bytes as usize)
+            .map(|row| &row[..row_bytes as usize])
+            .collect();
+        rows.concat()
+    })
 }
 
 /// Copies a buffer with `COPY_SRC` usage to the CPU.
@@ -75,10 +76,14 @@ pub(crate) fn read_buffer_start(
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, size);
     gpu.queue.submit([encoder.finish()]);
-    map_whole(gpu, &buffer)
+    map_whole(gpu, &buffer, <[u8]>::to_vec)
 }
 
-fn map_whole(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, DeviceError> {
+fn map_whole<T>(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    read: impl FnOnce(&[u8]) -> T,
+) -> Result<T, DeviceError> {
     let lost = |message: String| DeviceError::DeviceLost(message);
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
@@ -93,5 +98,5 @@ fn map_whole(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, DeviceError> {
     let view = buffer
         .get_mapped_range(..)
         .map_err(|error| lost(error.to_string()))?;
-    Ok(view.to_vec())
+    Ok(read(&view))
 }

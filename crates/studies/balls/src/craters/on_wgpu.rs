@@ -178,9 +178,8 @@ impl Cratering {
     pub(crate) fn read(&self) -> Result<Snapshot, DeviceError> {
         let whole = wgpu::TextureAspect::All;
         let bytes = terrafill_gpu::read_texture(&self.balls.gpu, &self.heights, whole)?;
-        let texels: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes);
-        let blocks = texels.chunks((SAMPLES * SAMPLES) as usize);
-        let blocks = blocks.map(<[f32]>::to_vec).collect();
+        let blocks = bytes.chunks(4 * (SAMPLES * SAMPLES) as usize);
+        let blocks = blocks.map(bytemuck::pod_collect_to_vec).collect();
         Ok(Snapshot {
             balls: self.balls.read()?,
             ground: Terrain { blocks },
