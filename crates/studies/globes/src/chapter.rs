@@ -74,6 +74,7 @@ impl Chapter for GlobesChapter {
             made::SECTION,
             counts::SECTION,
             zones::SECTION,
+            zones::HILL_SECTION,
             controllers::SECTION,
         ];
         let all = Cases::of_study(run, crate::STUDY);

@@ -64,6 +64,7 @@ fn findings(cases: &Cases<'_>) -> Vec<Finding> {
         made::SECTION,
         counts::SECTION,
         zones::SECTION,
+        zones::HILL_SECTION,
         controllers::SECTION,
     ];
     let all = sections.iter().chain(&shading::SECTIONS);

@@ -24,6 +24,7 @@ terrafill_results::conditions! {
     COUNTED_BY = "counted_by", "how the device counts the pixels of each node: by a histogram, or by queries";
     DELAY = "delay", "frames until counts are back on the CPU";
     FAULT = "fault", "what is done wrong on purpose";
+    HILL_M = "hill_m", "height of the hill, metres";
     HEIGHTS = "heights", "where heights are looked up";
     HOURS = "hours", "for which clouds have moved";
     HYSTERESIS = "hysteresis", "how many times the pixels at which a node merges it splits at; 1: at the same";

@@ -10,7 +10,7 @@ use crate::metrics::METRICS;
 use crate::shading::{self, Shadings, Textures};
 use crate::sight::{SurfacesView, works};
 use crate::wires::Wires;
-use crate::zones::Zones;
+use crate::zones::{HillPictures, Zones};
 use crate::{STUDY, chapter::GlobesChapter};
 use std::rc::Rc;
 use terrafill_globe_views::{Opened, ViewRow, left_out, no_kind};
@@ -88,6 +88,7 @@ impl Study for GlobesStudy {
         groups.push(Box::new(MadeGlobes::planned(&list, sizes, fields)));
         groups.push(Box::new(Counts::planned(&list, is_quick, sizes.1)));
         groups.push(Box::new(Zones::planned(request.depth, sizes.1)));
+        groups.push(Box::new(HillPictures::planned(sizes)));
         groups.push(Box::new(Controllers::planned(request.depth, sizes.1)));
         Ok(Planned {
             groups,

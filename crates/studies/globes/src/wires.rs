@@ -163,10 +163,10 @@ impl Wires {
 }
 
 /// Corners of triangles relative to the eye, metres, and which of them lines join.
-struct Edges {
-    corners: Vec<[f32; 3]>,
-    lines: Vec<[u32; 2]>,
-    triangles: usize,
+pub(crate) struct Edges {
+    pub(crate) corners: Vec<[f32; 3]>,
+    pub(crate) lines: Vec<[u32; 2]>,
+    pub(crate) triangles: usize,
 }
 
 /// Of the triangles that face the eye, each edge once.
@@ -196,7 +196,7 @@ fn edges(frame: &SurfaceFrame) -> Edges {
 
 /// How a picture of lines differs from them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct WireErrors {
+pub(crate) struct WireErrors {
     lit: usize,
     /// Lit pixels that are near no line.
     beyond: usize,
@@ -206,8 +206,43 @@ struct WireErrors {
     control: usize,
 }
 
+impl WireErrors {
+    /// Why the picture is wrong; empty where it is not.
+    pub(crate) fn reason(&self) -> String {
+        let Self {
+            lit,
+            beyond,
+            missing,
+            control,
+        } = *self;
+        if lit == 0 {
+            "it shows no line".to_owned()
+        } else if beyond + missing > 0 {
+            format!(
+                "{beyond} pixels lie off every line and {missing} lines light no pixel, allowed 0"
+            )
+        } else if (control as f64) < CONTROL_SHARE * lit as f64 {
+            "a picture that is moved is found in less than 1 % of its pixels: the comparison sees nothing".to_owned()
+        } else {
+            String::new()
+        }
+    }
+
+    /// What is counted of a picture of these edges.
+    pub(crate) fn figures(&self, edges: &Edges) -> Figures {
+        vec![
+            ("globe_triangles", edges.triangles as f64),
+            ("globe_wires", edges.lines.len() as f64),
+            ("globe_wire_px", self.lit as f64),
+            ("globe_wire_beyond_px", self.beyond as f64),
+            ("globe_wire_missing", self.missing as f64),
+            ("globe_wire_control_px", self.control as f64),
+        ]
+    }
+}
+
 /// Lines in pixels; none of those that begin or end behind the near plane.
-fn in_pixels(eye: &Eye, edges: &Edges) -> Vec<[DVec2; 2]> {
+pub(crate) fn in_pixels(eye: &Eye, edges: &Edges) -> Vec<[DVec2; 2]> {
     let place = |corner: u32| {
         let relative = DVec3::from(edges.corners[corner as usize].map(f64::from));
         let at = eye
@@ -228,7 +263,7 @@ fn in_pixels(eye: &Eye, edges: &Edges) -> Vec<[DVec2; 2]> {
     clippy::cast_possible_truncation,
     reason = "places in a picture, and steps along a line in it"
 )]
-fn judge([width, height]: [u32; 2], lines: &[[DVec2; 2]], lit: &[bool]) -> WireErrors {
+pub(crate) fn judge([width, height]: [u32; 2], lines: &[[DVec2; 2]], lit: &[bool]) -> WireErrors {
     let [columns, rows] = [width, height].map(i64::from);
     let index = |column: i64, row: i64| {
         let is_inside = (0..columns).contains(&column) && (0..rows).contains(&row);
@@ -427,35 +462,11 @@ impl Shows for WirePart<'_> {
         let Drawn { eye, edges, lit } = drawn;
         let size = [eye.size.width, eye.size.height];
         let found = judge(size, &in_pixels(&eye, &edges), &lit);
-        let WireErrors {
-            lit: lit_px,
-            beyond,
-            missing,
-            control,
-        } = found;
-        let reason = if lit_px == 0 {
-            "it shows no line".to_owned()
-        } else if beyond + missing > 0 {
-            format!(
-                "{beyond} pixels lie off every line and {missing} lines light no pixel, allowed 0"
-            )
-        } else if (control as f64) < CONTROL_SHARE * lit_px as f64 {
-            "a picture that is moved is found in less than 1 % of its pixels: the comparison sees nothing".to_owned()
-        } else {
-            String::new()
-        };
         let name = self.cases[case].id.key().replace(['/', '=', ' '], "-");
         let pixels = lit.iter().map(|is_lit| [if *is_lit { 255 } else { 0 }; 3]);
         let path = write_png(self.context.folder, &name, size, pixels)?;
-        let figures = vec![
-            ("globe_triangles", edges.triangles as f64),
-            ("globe_wires", edges.lines.len() as f64),
-            ("globe_wire_px", lit_px as f64),
-            ("globe_wire_beyond_px", beyond as f64),
-            ("globe_wire_missing", missing as f64),
-            ("globe_wire_control_px", control as f64),
-        ];
-        Ok(judged(reason, figures, vec![("picture", path)]))
+        let figures = found.figures(&edges);
+        Ok(judged(found.reason(), figures, vec![("picture", path)]))
     }
 
     /// Drawing alone: lines stay on the device.

@@ -4,9 +4,11 @@
 //! alone, so that they have fewer pixels the finer they are.
 
 mod field;
+mod hill;
 pub(crate) mod rule;
 mod section;
 
+pub(crate) use hill::{HillPictures, SECTION as HILL_SECTION};
 pub(crate) use section::SECTION;
 
 use crate::STUDY;
@@ -51,6 +53,7 @@ impl Work {
     fn field(self) -> Field {
         Field {
             spike_m: self.spike_m,
+            hill: None,
         }
     }
 }
@@ -184,43 +187,59 @@ impl<'a> ZonePart<'a> {
             work.hysteresis,
         );
         let mut levels: Levels = [0; ZONES * ZONES];
-        // Of each zone, the frame in which its level was first drawn.
-        let mut since = [0; ZONES * ZONES];
-        let mut counted = Vec::new();
-        let mut course = Course::default();
-        for frame in 0..FRAMES {
-            let drawn = field.drawn(&eye, &levels);
-            counted.push(self.counters.by_node(work.way, &eye, &drawn)?);
-            let triangles = levels.iter().map(|level| rule.triangles(*level));
-            course.sizes.push(triangles.sum());
-            if frame == 0 || frame + 1 == FRAMES {
-                course.ends.push(CountedFrame {
-                    eye,
-                    drawn,
-                    counts: counted[frame].clone(),
-                });
-            }
-            let Some(old) = (frame + 1).checked_sub(DELAY) else {
-                continue;
-            };
-            for (node, pixels) in &counted[old] {
-                let zone = number(*node);
-                // A zone acts on counts of its own level alone.
-                if since[zone] > old {
-                    continue;
-                }
-                let next = rule.next(levels[zone], *pixels as f64);
-                if next != levels[zone] {
-                    levels[zone] = next;
-                    since[zone] = frame + 1;
-                    course.last_change = Some(frame);
-                }
-            }
-        }
+        let counters = &mut self.counters;
+        let course = run(counters, work.way, &eye, field, &rule, &mut levels)?;
         let last = course.ends.last().cloned();
         self.last.extend(last.map(|last| (case, last)));
         Ok(course)
     }
+}
+
+/// Zones that follow their counted pixels while the eye stands still.
+///
+/// - `levels`: those of the first frame, then those after the last
+fn run(
+    counters: &mut Counters<'_>,
+    way: PixelCount,
+    eye: &Eye,
+    field: Field,
+    rule: &ZoneRule,
+    levels: &mut Levels,
+) -> Result<Course, Failure> {
+    // Of each zone, the frame in which its level was first drawn.
+    let mut since = [0; ZONES * ZONES];
+    let mut counted = Vec::new();
+    let mut course = Course::default();
+    for frame in 0..FRAMES {
+        let drawn = field.drawn(eye, levels);
+        counted.push(counters.by_node(way, eye, &drawn)?);
+        let triangles = levels.iter().map(|level| rule.triangles(*level));
+        course.sizes.push(triangles.sum());
+        if frame == 0 || frame + 1 == FRAMES {
+            course.ends.push(CountedFrame {
+                eye: *eye,
+                drawn,
+                counts: counted[frame].clone(),
+            });
+        }
+        let Some(old) = (frame + 1).checked_sub(DELAY) else {
+            continue;
+        };
+        for (node, pixels) in &counted[old] {
+            let zone = number(*node);
+            // A zone acts on counts of its own level alone.
+            if since[zone] > old {
+                continue;
+            }
+            let next = rule.next(levels[zone], *pixels as f64);
+            if next != levels[zone] {
+                levels[zone] = next;
+                since[zone] = frame + 1;
+                course.last_change = Some(frame);
+            }
+        }
+    }
+    Ok(course)
 }
 
 impl Shows for ZonePart<'_> {

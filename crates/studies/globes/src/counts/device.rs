@@ -53,7 +53,7 @@ impl PixelCount {
 
     fn open(self, devices: &Devices) -> Result<Box<dyn Counter>, DeviceError> {
         Ok(match self {
-            Self::Histogram => Box::new(ByHistogram::new(devices)?),
+            Self::Histogram => Box::new(ByHistogram::new(devices, SIZE)?),
             Self::Queries => Box::new(ByQueries::new(devices)?),
         })
     }
@@ -168,7 +168,8 @@ impl Histogram {
     }
 }
 
-struct ByHistogram {
+/// Draws the number of each node, and counts them.
+pub(crate) struct ByHistogram {
     canvas: Canvas,
     draw: wgpu::RenderPipeline,
     view: wgpu::Buffer,
@@ -177,7 +178,7 @@ struct ByHistogram {
 }
 
 impl ByHistogram {
-    fn new(devices: &Devices) -> Result<Self, DeviceError> {
+    pub(crate) fn new(devices: &Devices, size: ImageSize) -> Result<Self, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         let view_layout = gpu.buffer_layout(
             "nodes",
@@ -186,7 +187,7 @@ impl ByHistogram {
         );
         let view = uniform::<ViewConstants>(&gpu, "view constants");
         let module = gpu.shader("globes/nodes.wgsl")?;
-        let canvas = Canvas::new(&gpu, SIZE, wgpu::TextureFormat::R32Uint);
+        let canvas = Canvas::new(&gpu, size, wgpu::TextureFormat::R32Uint);
         let attributes = [
             wgpu::vertex_attr_array![0 => Float32x3],
             wgpu::vertex_attr_array![1 => Uint32],
@@ -227,6 +228,15 @@ impl ByHistogram {
             pass.draw(0..count, 0..1);
         });
         Ok(encoder)
+    }
+}
+
+impl ByHistogram {
+    /// The node that each pixel shows, from 1, row by row from the top; 0 for none.
+    pub(crate) fn picture(&self, eye: &Eye, drawn: &NodeVertices) -> Result<Vec<u32>, DeviceError> {
+        let encoder = self.record(eye, drawn)?;
+        self.canvas.finish(encoder)?;
+        self.canvas.read()
     }
 }
 

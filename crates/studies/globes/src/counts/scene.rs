@@ -163,7 +163,7 @@ impl ByRays {
 }
 
 /// The node that each pixel shows, from 1; 0 for none.
-fn numbers(eye: &Eye, drawn: &NodeVertices) -> Vec<u32> {
+pub(crate) fn numbers(eye: &Eye, drawn: &NodeVertices) -> Vec<u32> {
     let count = u32::try_from(drawn.vertices_rte.len()).unwrap_or(u32::MAX);
     let triangles: Vec<[u32; 3]> = (0..count / 3)
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])

@@ -32,6 +32,24 @@ terrafill_results::metrics! {
         "globe_zone_hides",
         "Pixels of a zone a level below the finest over those that it has at the finest, largest of all zones: what spikes hide.",
     );
+    GLOBE_ZONE_HIDDEN = Metric::counter(
+        "globe_zone_hidden",
+        "Zones at rest without a counted pixel that have some where there is no hill.",
+    );
+    GLOBE_ZONE_HIDDEN_LEVEL = Metric::counter(
+        "globe_zone_hidden_level",
+        "Level of the finest of these zones; 0 is the coarsest.",
+    );
+    GLOBE_ZONE_PX = Metric::counter("globe_zone_px", "Counted pixels of the zone seen edge-on, at rest.");
+    GLOBE_ZONE_LEVEL = Metric::counter("globe_zone_level", "Its level, 0 the coarsest.");
+    GLOBE_ZONE_OTHER_PX = Metric::error_px(
+        "globe_zone_other_px",
+        "Pixels whose triangle of a height field is not their ray's in f64, but for those whose centre lies within 1/64 px of its border; at most 0.",
+    );
+    GLOBE_ZONE_CONTROL_PX = pixels(
+        "globe_zone_control_px",
+        "The same of a picture that is moved by 3 pixels: a negative control.",
+    );
     GLOBE_COUNTED_CPU_MS = Metric::time_ms(
         "globe_counted_cpu_ms",
         "Process CPU time of a frame whose pixels are counted by node and read back at once.",

@@ -18,22 +18,44 @@ const ZONES_U32: u32 = 5;
 pub(super) const FINEST: u32 = 3;
 const COARSE_CELLS: u32 = 2;
 const FINE_CELLS: u32 = COARSE_CELLS << FINEST;
-const SIDE_CELLS: u32 = FINE_CELLS * ZONES_U32;
+pub(super) const SIDE_CELLS: u32 = FINE_CELLS * ZONES_U32;
 /// Triangles of a zone at level 0.
 pub(super) const COARSE_TRIANGLES: u32 = 2 * COARSE_CELLS * COARSE_CELLS;
 const ZONE_VERTICES: u32 = 6 * FINE_CELLS * FINE_CELLS;
 /// Side of a cell of the finest level: 125 m.
-const CELL_DEG: f64 = 125.0 / 111_132.0;
+const CELL_DEG: f64 = CELL_M / 111_132.0;
+pub(super) const CELL_M: f64 = 125.0;
 /// Of its south-western corner.
 const CORNER_DEG: [f64; 2] = [15.0, 45.0];
 /// The row of vertices with spikes: between the second and the third row of zones.
 const SPIKE_ROW: u32 = 2 * FINE_CELLS;
 const HILLS_M: f64 = 40.0;
+/// Where the eye stands, in cells from the corner.
+pub(super) const EYE_CELLS: [f64; 2] = [0.5 * SIDE_CELLS as f64, -8.0];
 
-/// Heights with spikes of this height, metres.
+/// A bell, in cells of the finest level and metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hill {
+    /// Of its top, east and north of the field's corner.
+    pub(super) at: [f64; 2],
+    /// From its top to its steepest slope.
+    pub(super) sigma: f64,
+    pub(super) height_m: f64,
+}
+
+impl Hill {
+    fn height_m(&self, east: f64, north: f64) -> f64 {
+        let [east, north] = [east - self.at[0], north - self.at[1]];
+        let squared = (east * east + north * north) / (self.sigma * self.sigma);
+        self.height_m * (-0.5 * squared).exp()
+    }
+}
+
+/// Heights with spikes of this height, metres, or with a hill.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Field {
     pub(super) spike_m: f64,
+    pub(super) hill: Option<Hill>,
 }
 
 /// A level for each zone, row by row from the south.
@@ -65,17 +87,22 @@ fn step(level: u32) -> u32 {
 impl Field {
     /// Where the eye stands: before the southern edge, over its middle column.
     pub(super) fn eye_deg() -> [f64; 2] {
-        let half = 0.5 * f64::from(SIDE_CELLS) * CELL_DEG;
+        Self::degrees(EYE_CELLS)
+    }
+
+    /// Longitude and latitude of a place in cells from the corner.
+    pub(super) fn degrees([east, north]: [f64; 2]) -> [f64; 2] {
         [
-            CORNER_DEG[0] + half / CORNER_DEG[1].to_radians().cos(),
-            CORNER_DEG[1] - 8.0 * CELL_DEG,
+            CORNER_DEG[0] + east * CELL_DEG / CORNER_DEG[1].to_radians().cos(),
+            CORNER_DEG[1] + north * CELL_DEG,
         ]
     }
 
     /// Of a vertex of the finest level.
     fn height_m(&self, [x, y]: [u32; 2]) -> f64 {
         let [east, north] = [x, y].map(f64::from);
-        let hills = HILLS_M * (0.13 * east).sin() * (0.11 * north + 0.4).cos();
+        let hill_m = self.hill.map_or(0.0, |hill| hill.height_m(east, north));
+        let hills = HILLS_M * (0.13 * east).sin() * (0.11 * north + 0.4).cos() + hill_m;
         if y == SPIKE_ROW && x % 2 == 1 {
             hills + self.spike_m
         } else {
@@ -153,7 +180,10 @@ mod tests {
 
     #[test]
     fn spikes_are_the_finest_levels_alone_and_edges_are_those_of_the_coarser_zone() {
-        let field = Field { spike_m: 500.0 };
+        let field = Field {
+            spike_m: 500.0,
+            hill: None,
+        };
         let mut levels = [FINEST; ZONES * ZONES];
         let spike = [SPIKE_ROW + 1, SPIKE_ROW];
         assert!(field.drawn_m(spike, &levels) > 400.0);
