@@ -53,6 +53,9 @@ pub(crate) enum Job {
     /// From the bridge, counted along rays.
     Lamp(LampName, Rule, Limit),
     DeviceLamp(LampName, LampEye, Interface, Rule, Limit),
+    /// From the bridge under the moon, counted along rays.
+    Moon(Rule),
+    DeviceMoon(Eyes, Interface, Rule),
 }
 
 impl Job {
@@ -68,7 +71,9 @@ impl Job {
         frame: [u32; 2],
     ) -> Vec<(ConditionKey, [u32; 2])> {
         match self {
-            Self::Harbour(..) | Self::DeviceLamp(..) => vec![(SIZE_PX, frame)],
+            Self::Harbour(..) | Self::DeviceLamp(..) | Self::DeviceMoon(..) => {
+                vec![(SIZE_PX, frame)]
+            }
             Self::Model | Self::Silhouette(..) => Vec::new(),
             Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
             job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],

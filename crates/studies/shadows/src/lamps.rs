@@ -8,7 +8,7 @@
 mod drawing;
 mod night;
 
-pub(crate) use self::night::picture;
+pub(crate) use self::night::{by_moon, picture};
 
 use crate::views::Place;
 use crate::work::{ChannelTotals, closed, port_m};
@@ -18,6 +18,11 @@ use terrafill_shadow_views::{
     Beam, DeckCamera, Lamp, LampReference, Light, NONE, Pass, Rule, Stencil, Truth, Wrong, box_of,
     bridge, deck_eyes,
 };
+
+/// The moon shines by night as the sun does by day, from this elevation and azimuth from the dock, degrees.
+pub(crate) const MOON: [f64; 2] = [25.0, 160.0];
+/// As rows have it.
+pub(crate) const MOON_NAME: &str = "moon";
 
 /// Eyes on deck among which one in shadow is looked for, and the picture by which it is chosen.
 const TRIED: usize = 400;

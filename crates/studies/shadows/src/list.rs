@@ -55,6 +55,8 @@ const FRAMES: [(Eyes, Interface); 4] = [
     (Eyes::At(Place::Aerial), Interface::Wgpu),
     (Eyes::At(Place::Aerial), Interface::Vulkan),
 ];
+/// Rules under the moon.
+const MOONLIT: [Rule; 2] = [Rule::Fail, Rule::Pass];
 /// Sun of facings.
 const FACING_SUN: [f64; 2] = [30.0, -60.0];
 /// Distances of an origin from the port, m: the last is that of the earth's centre.
@@ -286,6 +288,18 @@ fn drawn_lamps(is_quick: bool) -> Vec<Job> {
     seen.flat_map(of).collect()
 }
 
+/// Frames under the moon. A quick run has the bridge.
+fn moonlit(is_quick: bool) -> Vec<Job> {
+    let eyes = [Eyes::Bridge, Eyes::At(Place::Aerial)];
+    let eyes = if is_quick { &eyes[..1] } else { &eyes[..] };
+    let of = |own: &Eyes| {
+        cross(&Interface::ALL, &MOONLIT, |interface, rule| {
+            Job::DeviceMoon(*own, interface, rule)
+        })
+    };
+    eyes.iter().flat_map(of).collect()
+}
+
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
 
@@ -360,8 +374,14 @@ pub(crate) fn questions(
         cross(&of_both(origin_ways), &ORIGINS_SEEN, seen),
         under(map_suns, texels, &Bias::ALL, Job::Map),
         under(map_suns, texels, &Bias::DRAWN, Job::DeviceMap),
-        counted_lamps(is_quick),
-        drawn_lamps(is_quick),
+        counted_lamps(is_quick)
+            .into_iter()
+            .chain(MOONLIT.map(Job::Moon))
+            .collect(),
+        drawn_lamps(is_quick)
+            .into_iter()
+            .chain(moonlit(is_quick))
+            .collect(),
     ];
     let planned = |jobs: Vec<Job>| {
         let question = jobs.first().map_or("", |job| question(*job));

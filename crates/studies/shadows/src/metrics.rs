@@ -17,7 +17,7 @@ terrafill_results::conditions! {
     EYE_TEST = "eye_test", "how the rule is chosen: by the eye, or by what lies between near plane and sun";
     FACES = "faces", "both faces of a volume in one draw, or in one each";
     LENGTH_M = "length_m", "length of volumes, metres";
-    LIGHT = "light", "which light shines: one at a place, other than the sun";
+    LIGHT = "light", "which light shines, other than the sun: one at a place, or the moon";
     LIMIT = "limit", "what keeps the shadows of a lamp to its reach";
     MESH = "mesh", "which model is cast";
     MODEL = "model", "which model casts";

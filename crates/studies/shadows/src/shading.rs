@@ -34,7 +34,7 @@ const GLITTER: f64 = 180.0;
 
 /// What paints the pictures of a scene.
 pub(crate) struct Painter<'a> {
-    scene: &'a Scene,
+    pub(crate) scene: &'a Scene,
     part_of: Vec<u32>,
     /// By part.
     materials: Vec<Material>,
@@ -148,7 +148,7 @@ pub(crate) fn strip(channels: &[Vec<[u8; 3]>], [width, height]: [u32; 2]) -> Vec
     clippy::cast_sign_loss,
     reason = "from 0 to 255"
 )]
-fn bytes(colour: DVec3) -> [u8; 3] {
+pub(crate) fn bytes(colour: DVec3) -> [u8; 3] {
     let byte = |part: f64| (255.0 * part.clamp(0.0, 1.0)).round() as u8;
     colour.to_array().map(byte)
 }

@@ -13,7 +13,7 @@ use crate::brought::{Brought, SETTING};
 use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
 use crate::job::Job;
-use crate::lamps::LampScene;
+use crate::lamps::{LampScene, MOON};
 use crate::list::questions;
 use crate::maps::Map;
 use crate::metrics::{METRICS, QUESTION, SHADOW_MAP_CPU_MS, TIME};
@@ -248,6 +248,8 @@ impl Session for Answering<'_> {
             Job::Harbour(sun, eyes, interface) => self.harbour(case, sun, eyes, interface),
             Job::Lamp(name, rule, limit) => self.lamp_counted(name, rule, limit),
             job @ Job::DeviceLamp(..) => self.lamp_drawn(job),
+            Job::Moon(rule) => self.answer(Job::Updates(MOON, End::Sea, rule)),
+            Job::DeviceMoon(eyes, interface, rule) => self.moonlit(eyes, interface, rule),
             job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
             job if job.is_of_device() => self.device(case, job),
             job => self.answer(job),

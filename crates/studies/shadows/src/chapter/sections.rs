@@ -396,7 +396,8 @@ pub(super) const SECTIONS: [Section<'static>; 23] = [
         shows_what_is_wrong: false,
         ..section(
             ["lights", "Lights other than the sun"],
-            "The port by night under a lamp, from the channel of the bridge that has it in view. A volume's sides run away from \
+            "The port by night. The moon is a light like the sun: judged in all channels of the bridge, its volumes end below the sea. \
+                 A lamp is judged in the channel of the bridge that has it in view. A volume's sides run away from \
                  the lamp, and its dark cap lies at infinity or beyond the lamp's range. Rays end at the lamp; what lies beyond its range \
                  or beside its beam is unlit by itself, and not judged. The paper names deck light, searchlight and lights on \
                  shore, and limits the range of illumination by the sea level alone. Here the limit is the lamp's own reach, \
@@ -413,7 +414,9 @@ pub(super) const SECTIONS: [Section<'static>; 23] = [
         pictures: &[("map", "by night"), ("image", "as drawn, wrong pixels red")],
         ..section(
             ["device-lights", "The same by devices"],
-            "Volumes from the CPU, drawn into a stencil. z-pass is wrong where the eye is in shadow, as under the sun.",
+            "Volumes from the CPU, drawn into a stencil. z-pass is wrong where the eye is in shadow, as under the sun. \
+                 Under the moon they end below the sea, and from the bridge all seven channels are drawn. Pictures by night show it far \
+                 brighter than it is.",
             &[LIGHT, VIEW, API, RULE, LIMIT],
             &[
                 LIT_PX, DARK_PX, BAND_PX, RIM_PX, REACHED, SHADE_PX, TRIANGLES, DRAWS, FRAGMENTS,

@@ -5,7 +5,7 @@ use crate::STUDY;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
 use crate::job::{Job, Method, sun_name};
-use crate::lamps::LampEye;
+use crate::lamps::{LampEye, Limit, MOON_NAME};
 use crate::metrics::*;
 use crate::views::{Chooser, Eyes};
 use crate::way::Counting;
@@ -40,6 +40,10 @@ fn counting(is_guarded: bool) -> Condition {
         "8 bits, wrapping"
     };
     is(COUNTING, name)
+}
+
+fn unlimited() -> Condition {
+    is(LIMIT, Limit::Off.name())
 }
 
 /// A sun, where the port is seen from if not the bridge, and what else there is.
@@ -127,6 +131,20 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             ];
             let is_outside = eye == LampEye::InShadow && rule == Rule::Pass;
             ("device-lights", conditions, is_outside)
+        }
+        Job::Moon(rule) => {
+            let conditions = vec![is(LIGHT, MOON_NAME), is(RULE, rule.name()), unlimited()];
+            ("lights", conditions, false)
+        }
+        Job::DeviceMoon(eyes, interface, rule) => {
+            let conditions = vec![
+                is(LIGHT, MOON_NAME),
+                is(VIEW, eyes.name()),
+                by(interface),
+                is(RULE, rule.name()),
+                unlimited(),
+            ];
+            ("device-lights", conditions, false)
         }
         Job::View(sun, place, chooser) => (
             "views",

@@ -6,15 +6,20 @@ use super::answers::verdict_of;
 use super::on_devices::device_figures;
 use crate::ablation::optimised;
 use crate::drawing::Kept;
-use crate::job::sun_name;
+use crate::job::{Job, sun_name};
+use crate::lamps::{Limit, MOON, MOON_NAME, by_moon};
 use crate::metrics::{FRAME_CPU, FRAME_GPU, FRAME_WALL};
 use crate::shading::{Painter, strip};
 use crate::views::Eyes;
+use crate::way::DeviceWay;
 use crate::work::{Scene, closed, port_m};
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::Verdict;
-use terrafill_shadow_views::{Interface, bridge, picture};
+use terrafill_shadow_views::{DeckCamera, Draws, Interface, Rule, Truth, bridge, picture};
 use terrafill_study::{Failure, Figures, file_stem, verified, write_photo, write_rgb};
+
+/// What paints a channel for people, by its mask.
+type Paint = fn(&Painter<'_>, &DeckCamera, &Truth, &[bool]) -> Vec<[u8; 3]>;
 
 impl Answering<'_> {
     /// Channels of a frame, from the left.
@@ -40,43 +45,72 @@ impl Answering<'_> {
         interface: Interface,
     ) -> Result<Verdict, Failure> {
         let way = optimised(interface).ok_or_else(|| "no optimisation".to_owned())?;
+        let name = format!("harbour-{}-{}", eyes.name(), sun_name(sun));
+        // The same by every interface.
+        let is_painted = interface == Interface::Wgpu;
+        let by_day: Paint = |painter, view, truth, mask| painter.picture(view, truth, mask);
+        let shown = is_painted.then_some(("by-day", by_day));
+        let (verdict, draws) = self.framed(sun, eyes, way, &name, shown)?;
+        self.frames.insert(case, draws);
+        Ok(verdict)
+    }
+
+    /// The same under the moon, volumes closed at the sea by one rule.
+    pub(super) fn moonlit(
+        &mut self,
+        eyes: Eyes,
+        interface: Interface,
+        rule: Rule,
+    ) -> Result<Verdict, Failure> {
+        let way = DeviceWay {
+            rule,
+            ..DeviceWay::plain(interface)
+        };
+        let name = format!("{MOON_NAME}-{}-{}", eyes.name(), rule.name());
+        let is_painted = Job::is_painted(interface, rule, Limit::Off);
+        let shown = is_painted.then_some(("by-night", by_moon as Paint));
+        Ok(self.framed(MOON, eyes, way, &name, shown)?.0)
+    }
+
+    /// - `shown`: what a picture for people is called, and what paints it
+    fn framed(
+        &mut self,
+        sun: [f64; 2],
+        eyes: Eyes,
+        way: DeviceWay,
+        name: &str,
+        shown: Option<(&str, Paint)>,
+    ) -> Result<(Verdict, Vec<Box<dyn Draws>>), Failure> {
         let (context, loses_nothing) = (self.context, self.question.loses_nothing);
         let size = self.question.frame_size;
         let scene = self.frame(sun, eyes, way.end.feet_m())?;
         let drawn = scene.drawn_by(context.devices, way, Kept::All)?;
         let figures = device_figures(&drawn, scene.pixels(), true);
         let mut verdict = verdict_of(drawn.wrong, figures);
-        let painter = Painter::new(scene);
         let channels = || scene.channels.iter().zip(&drawn.kept);
-        let by_day =
-            channels().map(|((view, truth), (_, mask))| painter.picture(view, truth, mask));
         let judged = channels().map(|((_, truth), (_, mask))| picture(truth, Some(mask)));
-        let by_day = strip(&by_day.collect::<Vec<_>>(), size);
         let judged = strip(&judged.collect::<Vec<_>>(), size);
         let count = u32::try_from(scene.channels.len()).unwrap_or(u32::MAX);
-        let size = [size[0] * count, size[1]];
-        let [sun, view, api] = [
-            sun_name(sun),
-            eyes.name().to_owned(),
-            interface.name().to_owned(),
-        ];
-        let name = file_stem(&format!("shadows-harbour-{view}-{sun}-{api}"));
-        let path = write_rgb(context.folder, &name, size, &judged)?;
+        let all = [size[0] * count, size[1]];
+        let name = file_stem(&format!("shadows-{name}-{}", way.interface.name()));
+        let path = write_rgb(context.folder, &name, all, &judged)?;
         verdict.notes.push(("image", path));
-        // The same by every interface.
-        if interface == Interface::Wgpu {
+        if let Some((called, paint)) = shown {
+            let painter = Painter::new(scene);
+            let painted =
+                channels().map(|((view, truth), (_, mask))| paint(&painter, view, truth, mask));
+            let painted = strip(&painted.collect::<Vec<_>>(), size);
             let write = if loses_nothing {
                 write_rgb
             } else {
                 write_photo
             };
-            let path = write(context.folder, &format!("{name}-by-day"), size, &by_day)?;
+            let path = write(context.folder, &format!("{name}-{called}"), all, &painted)?;
             verdict.notes.push(("map", path));
         }
         verdict.notes.push(("mask_hash", drawn.mask_hash));
         let channels = drawn.kept.into_iter().map(|(draws, _)| draws);
-        self.frames.insert(case, channels.collect());
-        Ok(verdict)
+        Ok((verdict, channels.collect()))
     }
 
     /// All channels once, one after the other.

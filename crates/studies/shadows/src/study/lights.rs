@@ -122,8 +122,8 @@ impl Answering<'_> {
 }
 
 impl Job {
-    /// Of which of a lamp's pictures by devices there is one for people.
-    fn is_painted(interface: Interface, rule: Rule, limit: Limit) -> bool {
+    /// Of which of a light's pictures by devices there is one for people.
+    pub(super) fn is_painted(interface: Interface, rule: Rule, limit: Limit) -> bool {
         (interface, rule, limit) == (Interface::Wgpu, Rule::Fail, Limit::Off)
     }
 }

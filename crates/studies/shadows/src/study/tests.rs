@@ -506,6 +506,31 @@ fn a_quick_plan_is_a_part_of_the_whole() {
 }
 
 #[test]
+fn the_moon_s_shadows_are_right_by_every_rule_and_interface_and_painted_by_night() {
+    let small = Request {
+        size: [64, 48],
+        names_size: true,
+        ..request(Depth::Quick)
+    };
+    let (all, pictures) = verdicts_of(&small, "device-lights", |name| name.contains("moon"));
+    assert_eq!(all.len(), 4);
+    let mut hashes = Vec::new();
+    for (name, verdict) in all.iter().filter(|(name, all)| is_drawn(name, all, false)) {
+        assert_is(true, name, verdict);
+        assert_eq!(pictures[name], (7 * 64, 48), "{name}");
+        assert!(figure(verdict, "shadow_px") > 200.0, "{name}");
+        let is_painted = verdict.notes.iter().any(|(key, _)| *key == "map");
+        let is_asked = name.contains("wgpu") && name.contains("z-fail");
+        assert_eq!(is_painted, is_asked, "{name}");
+        hashes.push(mask_hash(verdict));
+    }
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    for (name, verdict) in verdicts("lights", |name| name.contains("moon")) {
+        assert_is(true, &name, &verdict);
+    }
+}
+
+#[test]
 fn lamps_are_right_by_every_device_and_their_pictures_by_night_have_light_and_dark() {
     let small = Request {
         size: [96, 72],
