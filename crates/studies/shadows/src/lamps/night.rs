@@ -16,7 +16,7 @@ const NIGHT: f64 = 0.025;
 /// Light of a face at the lamp that looks at it, of that of the day.
 const BRIGHT: f64 = 1.6;
 /// The moon's on a face that looks at it, of that of the day: far brighter than it is, so that forms can be told.
-const MOONLIGHT: DVec3 = DVec3::new(0.30, 0.36, 0.46);
+const MOONLIGHT: DVec3 = DVec3::new(0.45, 0.53, 0.66);
 /// Share of light that falls on a face at any angle: one that light grazes is rough enough to show it.
 const GRAZED: f64 = 0.25;
 /// Share of the angle of a beam over which its rim fades.
