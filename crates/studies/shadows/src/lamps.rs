@@ -14,6 +14,7 @@ use crate::views::Place;
 use crate::work::{ChannelTotals, closed, port_m};
 use glam::DVec3;
 use terrafill_casters::{EdgeTable, Facing, Prepared, Reach, Side, Volume};
+use terrafill_plan::PixelRect;
 use terrafill_shadow_views::{
     Beam, DeckCamera, Lamp, LampReference, Light, NONE, Pass, Rule, Stencil, Truth, Wrong, box_of,
     bridge, deck_eyes,
@@ -201,14 +202,19 @@ impl LampScene {
         mesh.parts.iter().map(meets).collect()
     }
 
+    /// To which the stencil is cut.
+    fn rectangle(&self, limit: Limit) -> PixelRect {
+        match limit {
+            Limit::Scissor => self.lamp.rectangle(&self.view, 1.0),
+            Limit::HalfScissor => self.lamp.rectangle(&self.view, TOO_SMALL),
+            _ => self.view.whole(),
+        }
+    }
+
     /// Counts volumes along the rays of pixels.
     pub(crate) fn drawn(&self, rule: Rule, limit: Limit) -> ChannelTotals {
         let (view, volume) = (&self.view, self.volume(limit));
-        let rectangle = match limit {
-            Limit::Scissor => self.lamp.rectangle(view, 1.0),
-            Limit::HalfScissor => self.lamp.rectangle(view, TOO_SMALL),
-            _ => view.whole(),
-        };
+        let rectangle = self.rectangle(limit);
         let count = self.prepared.mesh.parts.len();
         let mut parts = vec![(rectangle != NONE).then_some((rule, rectangle)); count];
         if limit == Limit::Casters {

@@ -280,10 +280,19 @@ fn drawn_lamps(is_quick: bool) -> Vec<Job> {
         (Rule::Fail, Limit::Range),
         (Rule::Pass, Limit::Off),
     ];
+    // Timed against volumes without a limit.
+    let limited = [Limit::Scissor, Limit::Bounds, Limit::Casters].map(|limit| (Rule::Fail, limit));
     let of = |(name, eye)| {
-        cross(&Interface::ALL, &ways, |interface, (rule, limit)| {
-            Job::DeviceLamp(name, eye, interface, rule, limit)
-        })
+        let limited = if eye == LampEye::Bridge {
+            &limited[..]
+        } else {
+            &[]
+        };
+        cross(
+            &Interface::ALL,
+            &[&ways[..], limited].concat(),
+            |interface, (rule, limit)| Job::DeviceLamp(name, eye, interface, rule, limit),
+        )
     };
     seen.flat_map(of).collect()
 }

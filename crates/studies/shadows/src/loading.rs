@@ -176,6 +176,11 @@ fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> Depth
         nearest = nearest.min(distance);
         farthest = farthest.max(distance);
     }
+    range_of([nearest, farthest], view)
+}
+
+/// Depths of the surface from a nearest to a farthest distance along the view, m.
+pub(crate) fn range_of([nearest, farthest]: [f64; 2], view: &DeckCamera) -> DepthRange {
     let depth = |distance: f64| {
         if distance > view.near {
             view.near / distance

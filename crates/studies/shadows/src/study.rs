@@ -247,7 +247,7 @@ impl Session for Answering<'_> {
             Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
             Job::Harbour(sun, eyes, interface) => self.harbour(case, sun, eyes, interface),
             Job::Lamp(name, rule, limit) => self.lamp_counted(name, rule, limit),
-            job @ Job::DeviceLamp(..) => self.lamp_drawn(job),
+            job @ Job::DeviceLamp(..) => self.lamp_drawn(case, job),
             Job::Moon(rule) => self.answer(Job::Updates(MOON, End::Sea, rule)),
             Job::DeviceMoon(eyes, interface, rule) => self.moonlit(eyes, interface, rule),
             job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),

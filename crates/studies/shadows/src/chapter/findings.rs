@@ -99,6 +99,7 @@ impl<'a> Own<'a> {
             self.map_curve(),
             self.volumes_or_maps(),
             self.limits(),
+            self.limited(),
         ];
         let of_times = self.times();
         let of_outlines = terrafill_outlines::findings(&self.question("outlines")).into_iter();

@@ -77,4 +77,24 @@ mod tests {
         assert_eq!(found("scissor", 1.0), Some(Standing::DoesNotHold));
         assert_eq!(found("scissor of half of it", 1.0), None);
     }
+
+    #[test]
+    fn a_limit_is_faster_by_its_own_time_and_a_scissor_that_is_too_small_is_not_asked() {
+        let found = |limit: &str, ms: f64| {
+            let mut run = MadeUpRun::default();
+            for (limit, ms) in [("off", 8.0), (limit, ms)] {
+                let conditions = [
+                    ("question", "device-lights"),
+                    ("light", "deck light"),
+                    ("limit", limit),
+                ];
+                let case = run.case(case_id(crate::STUDY, limit, &conditions));
+                case.timed(FILL_CPU, &[ms; 7]);
+            }
+            finding(&run, "Limits of reach make")
+        };
+        assert_eq!(found("scissor", 2.0), Some(Standing::Holds));
+        assert_eq!(found("scissor", 20.0), Some(Standing::DoesNotHold));
+        assert_eq!(found("scissor of half of it", 2.0), None);
+    }
 }

@@ -414,12 +414,13 @@ pub(super) const SECTIONS: [Section<'static>; 23] = [
         pictures: &[("map", "by night"), ("image", "as drawn, wrong pixels red")],
         ..section(
             ["device-lights", "The same by devices"],
-            "Volumes from the CPU, drawn into a stencil. z-pass is wrong where the eye is in shadow, as under the sun. \
+            "Volumes from the CPU, drawn into a stencil. From the bridge every limit is drawn and timed against volumes without one. z-pass is wrong where the eye is in shadow, as under the sun. \
                  Under the moon they end below the sea, and from the bridge all seven channels are drawn. Pictures by night show it far \
                  brighter than it is.",
             &[LIGHT, VIEW, API, RULE, LIMIT],
             &[
-                LIT_PX, DARK_PX, BAND_PX, RIM_PX, REACHED, SHADE_PX, TRIANGLES, DRAWS, FRAGMENTS,
+                CPU_MS, GPU_MS, LIT_PX, DARK_PX, BAND_PX, RIM_PX, REACHED, SHADE_PX, TRIANGLES,
+                DRAWS, FRAGMENTS,
             ],
         )
     },

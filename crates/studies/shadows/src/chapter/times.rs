@@ -2,9 +2,10 @@
 //! What is faster than what: ways of a device, steps of the ablation, rivals, shadow maps.
 
 use super::Own;
-use super::findings::number;
+use super::findings::{joined, number};
 use super::plots::is_plain;
 use super::sections::DEVICE_KEYS;
+use crate::lamps::Limit;
 use crate::metrics::*;
 use std::collections::BTreeSet;
 use terrafill_lab::{Answer, Bound, Comparison, Follows, grouped, measured, overall, range};
@@ -188,6 +189,41 @@ impl<'a> Own<'a> {
         );
         let claim = format!("{claim} (Yang & Jin, 2006, anticipated).");
         Some(finding(claim, &answers, because))
+    }
+
+    /// Whether each limit of a lamp's reach takes less time than none.
+    pub(super) fn limited(&self) -> Option<Finding> {
+        let of = |limit: Limit| {
+            let all = self.of_question("device-lights").filter(is_ok);
+            all.filter(move |case| case.condition(LIMIT) == limit.name())
+        };
+        let limits = Limit::ALL.into_iter();
+        let limits = limits.filter(|limit| !limit.may_be_wrong() && *limit != Limit::Off);
+        let mut answers = Vec::new();
+        let texts = limits.filter_map(|limit| {
+            let pair = |case: &'a Case| {
+                typical(case, self.0.clock().pick(FILL_GPU, FILL_CPU))?;
+                let keys = [LIGHT, VIEW, API, RULE, SIZE_PX];
+                let is_same = |other: &&Case| {
+                    keys.iter()
+                        .all(|key| other.condition(*key) == case.condition(*key))
+                };
+                Some([of(Limit::Off).find(is_same)?, case])
+            };
+            let own = self.judge(
+                LIMIT,
+                NOTHING,
+                &of(limit).filter_map(pair).collect::<Vec<_>>(),
+            );
+            let gains = gains(&own)?;
+            answers.extend(own);
+            Some(format!("{}: {gains} times", limit.name()))
+        });
+        let texts: Vec<String> = texts.collect();
+        let told = joined(texts, "; ")?;
+        let claim = "Limits of reach make a lamp's shadows faster on a device (Yang & Jin, 2006, anticipated: \"limit the range of illumination\").";
+        let because = format!("As fast as without, by {}: {told}", self.0.clock().name());
+        Some(finding(claim.to_owned(), &answers, because))
     }
 
     /// Depth bounds by the device, by discarding and by tiles, against none.

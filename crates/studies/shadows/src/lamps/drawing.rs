@@ -2,17 +2,17 @@
 //! Volumes of a lamp on devices, by the programs that draw those of the sun.
 
 use super::{LampScene, Limit};
-use crate::loading::program;
-use crate::way::DeviceWay;
+use crate::loading::{program, range_of};
+use crate::way::{Bounds, Cut, DeviceWay};
 use crate::work::End;
 use glam::DVec3;
 use std::cell::LazyCell;
 use terrafill_contract::{Counters, Devices};
 use terrafill_shadow_views::{
-    EyeVolumes, Interface, LampReference, Light, Positions, ROUNDING_PX, Rule, VolumeSource, Wrong,
-    constants, count, eye_vertices, is_within_rounding, listed, seen_by, slivers,
+    Draws, EyeVolumes, Interface, LampReference, Light, Positions, ROUNDING_PX, Rule, VolumeSource,
+    Wrong, constants, count, eye_vertices, is_within_rounding, listed, seen_by, slivers,
 };
-use terrafill_stencil::{StencilWork, VolumeList};
+use terrafill_stencil::{DepthRange, StencilWork, Volume, VolumeList};
 use terrafill_study::Failure;
 
 /// What a device drew.
@@ -21,10 +21,12 @@ pub(crate) struct LampDrawn {
     pub(crate) counters: Counters,
     pub(crate) mask: Vec<bool>,
     pub(crate) volume_triangles: usize,
+    /// Ready to be timed.
+    pub(crate) draws: Box<dyn Draws>,
 }
 
 impl LampScene {
-    /// Draws volumes without end, or those that end beyond the range.
+    /// Draws volumes without end, or limited in one way.
     pub(crate) fn drawn_by(
         &self,
         devices: &Devices,
@@ -36,6 +38,14 @@ impl LampScene {
         let way = DeviceWay {
             rule,
             end: End::Infinite,
+            cut: match limit {
+                Limit::Scissor | Limit::HalfScissor => Cut::Rectangle,
+                _ => Cut::Off,
+            },
+            bounds: match limit {
+                Limit::Bounds => Bounds::Native,
+                _ => Bounds::Off,
+            },
             ..DeviceWay::plain(interface)
         };
         let switches = way.switches();
@@ -43,10 +53,15 @@ impl LampScene {
             vertices: eye_vertices(way.positions, view, &volume),
             ..EyeVolumes::default()
         };
+        let in_reach = (limit == Limit::Casters).then(|| self.parts_in_reach());
+        let is_drawn = |part: usize| in_reach.as_ref().is_none_or(|all| all[part]);
         for caster in &mesh.casters {
             let first = count(volumes.indices.len());
             let all = volume.triangles.iter();
-            let own = all.filter(|own| caster.parts.contains(&(own.part as usize)));
+            let own = all.filter(|own| {
+                let part = own.part as usize;
+                caster.parts.contains(&part) && is_drawn(part)
+            });
             volumes.indices.extend(own.flat_map(|own| own.corners));
             let range = first..count(volumes.indices.len());
             if !range.is_empty() {
@@ -54,7 +69,16 @@ impl LampScene {
             }
         }
         let casters = 0..volumes.ranges.len();
-        let list: Vec<_> = casters.map(|at| listed(view.whole(), at)).collect();
+        let rectangle = self.rectangle(limit);
+        let depth = match limit {
+            Limit::Bounds => range_of(self.lamp.depths(view), view),
+            _ => DepthRange::ANY,
+        };
+        let own = |at| Volume {
+            depth,
+            ..listed(rectangle, at)
+        };
+        let list: Vec<_> = casters.map(own).collect();
         let source = VolumeSource::Volumes(volumes);
         let mut draws = seen_by(Positions::Eye, view, mesh, |seen| {
             let constants = constants(seen.camera, list.len());
@@ -64,7 +88,8 @@ impl LampScene {
                 constants: bytemuck::cast_slice(&constants).to_vec(),
                 blends: false,
             };
-            Ok(interface.open(devices, (&switches, false), seen, source, (work, None))?)
+            let open = (&switches, way.bounds == Bounds::Native);
+            Ok(interface.open(devices, open, seen, source, (work, None))?)
         })?;
         let (counters, mask) = draws.draw()?;
         let reference = LazyCell::new(|| LampReference::new(mesh, self.lamp));
@@ -76,6 +101,7 @@ impl LampScene {
             counters,
             mask,
             volume_triangles: volume.triangles.len(),
+            draws,
         })
     }
 

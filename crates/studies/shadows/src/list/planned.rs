@@ -230,7 +230,8 @@ pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>)
     let samples = match job {
         Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
         Job::Map(..) => samples.unwrap_or(1),
-        Job::Harbour(..) => samples.unwrap_or(SAMPLES),
+        // Where every limit is drawn.
+        Job::Harbour(..) | Job::DeviceLamp(_, LampEye::Bridge, ..) => samples.unwrap_or(SAMPLES),
         job if job.is_of_device() => samples.unwrap_or(SAMPLES),
         _ => 0,
     };

@@ -71,7 +71,7 @@ impl Answering<'_> {
     }
 
     /// By a device, and painted for people.
-    pub(super) fn lamp_drawn(&mut self, job: Job) -> Result<Verdict, Failure> {
+    pub(super) fn lamp_drawn(&mut self, case: usize, job: Job) -> Result<Verdict, Failure> {
         let Job::DeviceLamp(name, eye, interface, rule, limit) = job else {
             return Err("no device draws it".to_owned().into());
         };
@@ -116,6 +116,9 @@ impl Answering<'_> {
         }
         if let Err(miscounted) = fragments {
             verdict.notes.push((MISCOUNTED, miscounted));
+        }
+        if self.cases[case].samples > 0 {
+            self.opened.insert(case, drawn.draws);
         }
         Ok(verdict)
     }
