@@ -221,7 +221,7 @@ impl<'a> Own<'a> {
         });
         let texts: Vec<String> = texts.collect();
         let told = joined(texts, "; ")?;
-        let claim = "Limits of reach make a lamp's shadows faster on a device (Yang & Jin, 2006, anticipated: \"limit the range of illumination\").";
+        let claim = "Limits of reach make a lamp's shadows faster on a device.";
         let because = format!("As fast as without, by {}: {told}", self.0.clock().name());
         Some(finding(claim.to_owned(), &answers, because))
     }
