@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pictures of zones that follow their counted pixels: a hill that hides those behind it (figure 11 of Gebbie and Bailey),
-//! and a hill that a zone seen edge-on drops until an eye that climbs counts enough of it (figure 12).
+//! Pictures of zones that follow their counted pixels, as figures 11 and 12 of Gebbie and Bailey have them. One hill hides
+//! the zones behind it. Another is dropped by a zone seen edge-on, until an eye that climbs counts enough of it.
 
 mod picture;
 mod section;

@@ -98,8 +98,8 @@ fn check_report(desk: &Desk) -> Ran {
     let named: BTreeSet<String> = lines.map(|line| line.trim().to_owned()).collect();
     assert_eq!(count, Some(named.len().to_string().as_str()));
     assert!(named.is_subset(&missing), "{named:?}");
-    let twins = missing.difference(&named);
-    for name in twins {
+    let repeats = missing.difference(&named);
+    for name in repeats {
         assert!(name.ends_with(" (again)"), "{name} is not named");
     }
     let html = desk.read_text("run/index.html");

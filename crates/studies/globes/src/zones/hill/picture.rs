@@ -168,8 +168,8 @@ pub(super) fn judge(
     }
 }
 
-/// Whether rounding of corners to the device's grid decides that a pixel shows triangle `shown` where its ray meets `met`:
-/// the first has its border at the pixel's centre, or the other has and the first covers the centre.
+/// Whether rounding of corners to the device's grid decides that a pixel shows triangle `shown` where its ray meets `met`.
+/// Either `shown` has its border at the pixel's centre, or `met` has and `shown` covers the centre.
 pub(super) fn is_rounding(
     eye: &Eye,
     drawn: &NodeVertices,
