@@ -87,10 +87,13 @@ impl Glossary {
 
     /// The entries of words that stand in one of `texts`.
     pub(crate) fn of(&self, texts: &BTreeSet<String>) -> Entries<'_> {
-        let stands = |entry: &&Entry| {
-            let word = plain(&entry.word);
-            texts.iter().any(|text| stands_in(&word, text))
-        };
+        // No word goes over the end of a line, so that all texts are searched at once.
+        let text = texts
+            .iter()
+            .map(String::as_str)
+            .collect::<Vec<_>>()
+            .join("\n");
+        let stands = |entry: &&Entry| stands_in(&plain(&entry.word), &text);
         let groups = self.0.iter().map(|(title, entries)| {
             let own: Vec<&Entry> = entries.iter().filter(stands).collect();
             (title.as_str(), own)
