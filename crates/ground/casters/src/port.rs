@@ -22,6 +22,8 @@ pub struct PortSize {
     pub ships: usize,
     /// Such ports, 700 m apart towards the sea.
     pub copies: u32,
+    /// Whether each of them has containers, ships' headings and cranes of its own.
+    pub is_varied: bool,
 }
 
 const fn size(bents: u32, cranes: u32, rows: u32, ships: usize, copies: u32) -> PortSize {
@@ -31,18 +33,26 @@ const fn size(bents: u32, cranes: u32, rows: u32, ships: usize, copies: u32) -> 
         rows,
         ships,
         copies,
+        is_varied: false,
     }
 }
 
 impl PortSize {
     /// Ports by name, from 1,000 to 100,000 triangles and beyond.
-    pub const NAMED: [(&'static str, Self); 6] = [
+    pub const NAMED: [(&'static str, Self); 7] = [
         ("port-xs", size(4, 0, 1, 0, 1)),
         ("port-s", size(11, 1, 1, 1, 1)),
         ("port-m", size(51, 3, 14, 4, 1)),
         ("port-l", size(51, 3, 14, 4, 2)),
         ("port-l3", size(51, 3, 14, 4, 3)),
         ("port-xl", size(51, 3, 14, 4, 18)),
+        (
+            "port-m10",
+            Self {
+                is_varied: true,
+                ..size(51, 3, 14, 4, 10)
+            },
+        ),
     ];
 
     /// The one called `name`.
@@ -138,12 +148,26 @@ fn yard<'a>(mesh: &'a mut Mesh, name: &str, origin: [f64; 3], heading_deg: f64) 
 /// The port of this size.
 #[must_use]
 pub fn port(size: PortSize) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut one = one_port(size, 0);
+    for copy in 0..size.copies {
+        if size.is_varied && copy > 0 {
+            one = one_port(size, copy);
+        }
+        mesh.append(&one, -700.0 * f64::from(copy) * DVec3::Y);
+    }
+    mesh
+}
+
+/// - `variation`: 0 for the port as it is
+fn one_port(size: PortSize, variation: u32) -> Mesh {
     let mut one = Mesh::default();
-    let mut random = SplitMix64::new(SEED);
+    let mut random = SplitMix64::new(SEED + u64::from(variation));
     dock(&mut one, size.bents);
     let length = BENT_M * f64::from(size.bents - 1);
-    for crane_at in 0..size.cranes {
-        let share = (f64::from(crane_at) + 0.5) / f64::from(size.cranes);
+    let cranes = size.cranes + variation % 3;
+    for crane_at in 0..cranes {
+        let share = (f64::from(crane_at) + 0.5) / f64::from(cranes);
         crane(&mut one, DOCK_START_M + share * length);
     }
     let moored = [DOCK_START_M + length / 2.0, -30.0, 0.0];
@@ -177,7 +201,12 @@ pub fn port(size: PortSize) -> Mesh {
         ),
     ];
     for (name, origin, heading, hull, rows, columns) in ships.into_iter().take(size.ships + 1) {
-        let mut yard = yard(&mut one, name, origin, heading);
+        // Who is moored lies along the dock.
+        let turned = match heading {
+            0.0 => 0.0,
+            heading => heading + 17.0 * f64::from(variation),
+        };
+        let mut yard = yard(&mut one, name, origin, turned);
         ship(&mut yard, hull, rows, columns, &mut random);
     }
     for shed in 0..8 {
@@ -185,11 +214,7 @@ pub fn port(size: PortSize) -> Mesh {
         let mut yard = yard(&mut one, "shed", [west, 60.0, 0.0], 0.0);
         yard.cuboid([0.0, 0.0, -1.0], [30.0, 18.0, 9.0]);
     }
-    let mut mesh = Mesh::default();
-    for copy in 0..size.copies {
-        mesh.append(&one, -700.0 * f64::from(copy) * DVec3::Y);
-    }
-    mesh
+    one
 }
 
 fn dock(mesh: &mut Mesh, bents: u32) {
@@ -404,6 +429,12 @@ mod tests {
         assert!((3_000..10_000).contains(&sizes[1]), "{sizes:?}");
         assert!((28_000..40_000).contains(&sizes[2]), "{sizes:?}");
         assert_eq!([sizes[3], sizes[4]], [2 * sizes[2], 3 * sizes[2]]);
+        let ten = port(PortSize::named("port-m10").expect("named"));
+        assert_eq!(verdict(&ten).to_string(), "closed");
+        let share = ten.triangles.len() as f64 / (10 * sizes[2]) as f64;
+        assert!((0.95..1.1).contains(&share), "{share}");
+        // Negative control: copies of one port are its triangles over again.
+        assert_ne!(ten.triangles.len(), 10 * sizes[2]);
         assert!(PortSize::named("port-xxl").is_none());
     }
 
