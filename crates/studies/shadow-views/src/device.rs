@@ -6,7 +6,7 @@ mod on_wgpu;
 
 use self::on_vulkan::OnVulkan;
 use self::on_wgpu::OnWgpu;
-use crate::source::VolumeSource;
+use crate::source::{EyeVolumes, HandedOver, VolumeSource};
 use terrafill_contract::{
     Counters, CpuStopwatch, DeviceError, Devices, FrameTimes, Picture, SurfaceView,
 };
@@ -68,6 +68,19 @@ pub trait Draws {
     /// Counts, and which pixels are in shadow.
     fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError>;
 
+    /// Fragments of its volumes, which are drawn once more; `None` where nobody counts them.
+    fn fragments(&mut self) -> Result<Option<u64>, DeviceError> {
+        Ok(None)
+    }
+
+    /// Other volumes in place of those that it draws, as many and as large.
+    fn hand_over(&mut self, _volumes: &EyeVolumes) -> Result<(), DeviceError> {
+        Err(DeviceError::unsupported(
+            "volumes of the CPU",
+            "this way of drawing",
+        ))
+    }
+
     /// The shadows alone.
     fn time(&mut self) -> Result<FrameTimes, DeviceError>;
 }
@@ -103,16 +116,25 @@ impl<V, E: StencilExecutor<V>> Loaded<E, V> {
     }
 }
 
-impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
+impl<V: HandedOver, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     fn draw(&mut self) -> Result<(Counters, Vec<bool>), DeviceError> {
         self.executor.targets().borrow_mut().draw_surface()?;
         self.retile()?;
-        let mut counters = self.executor.draw(&mut self.volumes)?;
+        let counters = self.executor.draw(&mut self.volumes)?;
         let picture = self.executor.targets().borrow().read()?;
-        counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
         // The cover coloured what is in shadow.
         let pixels = picture.rgba.chunks_exact(4);
         Ok((counters, pixels.map(|pixel| pixel[3] != 0).collect()))
+    }
+
+    fn hand_over(&mut self, volumes: &EyeVolumes) -> Result<(), DeviceError> {
+        self.volumes.hand_over(volumes)
+    }
+
+    fn fragments(&mut self) -> Result<Option<u64>, DeviceError> {
+        // Other views may have drawn into the targets since.
+        self.executor.targets().borrow_mut().draw_surface()?;
+        self.executor.count_fragments(&mut self.volumes)
     }
 
     fn time(&mut self) -> Result<FrameTimes, DeviceError> {
@@ -133,7 +155,21 @@ impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
     }
 }
 
-fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
+/// Times of one view after another; what was not measured of both is not of the sum.
+#[must_use]
+pub fn sum_of(one: &FrameTimes, other: &FrameTimes) -> FrameTimes {
+    let both = |of: fn(&FrameTimes) -> Option<f64>| Some(of(one)? + of(other)?);
+    FrameTimes {
+        surface_gpu_ms: both(|times| times.surface_gpu_ms),
+        stencil_gpu_ms: both(|times| times.stencil_gpu_ms),
+        colour_gpu_ms: both(|times| times.colour_gpu_ms),
+        fill_gpu_ms: both(|times| times.fill_gpu_ms),
+        fill_cpu_ms: one.fill_cpu_ms + other.fill_cpu_ms,
+        fill_wall_ms: one.fill_wall_ms + other.fill_wall_ms,
+    }
+}
+
+fn loaded<V: HandedOver + 'static, E: StencilExecutor<V> + 'static>(
     targets: &E::Targets,
     switches: &Switches,
     make: impl FnOnce(&E) -> Result<V, DeviceError>,

@@ -170,6 +170,12 @@ impl<'a> LampReference<'a> {
         self.tree.seen(view.eye, ray, view.near)
     }
 
+    /// As of [`Reference::away`].
+    #[must_use]
+    pub fn away(&self, seen: Seen, place: DVec3) -> f64 {
+        self.tree.away(seen, place)
+    }
+
     /// Light of a visible point.
     #[must_use]
     pub fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {

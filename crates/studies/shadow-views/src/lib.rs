@@ -19,13 +19,13 @@ mod source;
 mod view;
 
 pub use count::{Pass, Rule, Stencil, Wrong, slivers};
-pub use device::{Channel, Draws, Interface, Retile};
+pub use device::{Channel, Draws, Interface, Retile, sum_of};
 pub use images::{picture, write};
 pub use lamp::{Beam, Lamp, LampReference};
 pub use near::{Boxes, EyeTest, chosen, is_shadowed_at_corners, near_caps, shadowed_share};
 pub use positions::{Positions, count, eye_vertices};
 pub use reference::{Light, Reference, SEA_RADIUS_M, Seen, Truth};
-pub use rounding::{ROUNDING_PX, is_within_rounding};
+pub use rounding::{ROUNDING_PX, SeenPlace, is_joint, is_within_rounding};
 pub use scissor::{
     NONE, above_horizon, around, around_pixels, cut, depths_of_parts, joined, of_parts,
 };

@@ -285,6 +285,20 @@ impl<'a> Reference<'a> {
         }
     }
 
+    /// How far a place is from the plane of a triangle that is seen, or from the sea, m; infinite from the sky.
+    pub fn away(&self, seen: Seen, place: DVec3) -> f64 {
+        match seen {
+            Seen::Sky => f64::INFINITY,
+            Seen::Sea(_) => ((place + DVec3::Z * SEA_RADIUS_M).length() - SEA_RADIUS_M).abs(),
+            Seen::Triangle(triangle, _) => {
+                let plane = self.mesh.planes[triangle as usize] as usize;
+                let normal = self.mesh.normals[plane].normalize_or_zero();
+                let [corner, ..] = self.corners[triangle as usize];
+                normal.dot(place - corner).abs()
+            }
+        }
+    }
+
     /// Light of a visible point.
     pub fn light(&self, view: &DeckCamera, ray: DVec3, seen: Seen) -> Light {
         let Some(depth) = seen.depth() else {
@@ -306,6 +320,28 @@ impl<'a> Reference<'a> {
             (false, false) => Light::Lit,
             _ => Light::Undecided,
         }
+    }
+
+    /// What each pixel of several views sees, and its light: by as many threads as there are cores.
+    pub fn pictures(&self, views: &[DeckCamera]) -> Vec<Truth> {
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        let threads = cores.min(views.len()).max(1);
+        let of_thread = |thread: usize| {
+            let own = views.iter().skip(thread).step_by(threads);
+            own.map(|view| self.picture(view)).collect::<Vec<_>>()
+        };
+        let mut parts = std::thread::scope(|scope| {
+            let started = (0..threads).map(|thread| scope.spawn(move || of_thread(thread)));
+            let started: Vec<_> = started.collect();
+            let ended = started.into_iter().map(|thread| match thread.join() {
+                Ok(own) => own.into_iter(),
+                Err(panic) => std::panic::resume_unwind(panic),
+            });
+            ended.collect::<Vec<_>>()
+        });
+        (0..views.len())
+            .filter_map(|at| parts[at % threads].next())
+            .collect()
     }
 
     /// What each pixel sees, and its light.

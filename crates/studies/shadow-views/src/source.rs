@@ -2,6 +2,7 @@
 //! What devices make shadow volumes of: volumes from the CPU, or meshes whose silhouettes a shader finds.
 
 use std::ops::Range;
+use terrafill_contract::DeviceError;
 
 /// Draws vertices as they are.
 pub(crate) const SHADER: &str = "casters/volume.wgsl";
@@ -82,6 +83,12 @@ pub enum VolumeSource {
     Computed(Computed),
     /// A geometry shader does.
     Adjacent(Adjacent),
+}
+
+/// What volumes are drawn from, where they come from the CPU.
+pub(crate) trait HandedOver {
+    /// Takes these in their place.
+    fn hand_over(&mut self, volumes: &EyeVolumes) -> Result<(), DeviceError>;
 }
 
 impl VolumeSource {

@@ -122,8 +122,8 @@ impl Scene {
         let mesh = self.mesh();
         let volume = self.found(way, &EdgeTable::of(mesh))?;
         let closed = match way.cut {
-            Cut::Off => None,
-            _ => Some(self.volume(End::Sea)?),
+            Cut::Off | Cut::SeaLevel => None,
+            Cut::Culled | Cut::Rectangle => Some(self.volume(End::Sea)?),
         };
         let reference = Reference::new(mesh, self.to_light);
         let count = mesh.parts.len();
@@ -131,14 +131,15 @@ impl Scene {
             let rectangles = closed.as_ref().map(|closed| of_parts(view, closed, count));
             let depths = depths_of_parts(view, &volume, count, BOUNDS_SHARE);
             let (mut parts, mut bounds) = (vec![None; count], vec![[0.0; 2]; count]);
+            let above_sea = self.above_sea(way, view);
             // What is drawn together has a rectangle and a range of depth together: parts of a caster by rule.
             for group in self.groups(way, view, &reference) {
-                let rule = match way.counting {
-                    Counting::Chosen(_) if group.is_near => Rule::Fail,
-                    Counting::Chosen(_) => Rule::Pass,
-                    _ => way.rule,
+                let rule = match (way.counting.test(), group.is_near) {
+                    (Some(_), true) => Rule::Fail,
+                    (Some(_), false) => Rule::Pass,
+                    (None, _) => way.rule,
                 };
-                let rectangle = group.rectangle(way, view, rectangles.as_deref());
+                let rectangle = group.rectangle(way, view, rectangles.as_deref(), above_sea);
                 let ranges = group.parts.iter().map(|part| depths[*part]);
                 let range = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
                 for part in group.parts {

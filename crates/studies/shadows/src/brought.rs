@@ -327,7 +327,7 @@ mod tests {
                 assert_eq!(mask(own, rule), mask(as_read, rule));
             }
         }
-        let truth = &ours.channels[0].1;
+        let truth = &ours.truths()[0];
         assert_eq!(Wrong::of(&mask(&from_glb, Rule::Fail), truth).outside(), 0);
         let shadow = truth.count(Light::Shadow);
         assert!(shadow > 50, "{shadow}");

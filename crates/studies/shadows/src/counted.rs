@@ -2,6 +2,7 @@
 //! Which pixels count: the paper considers shadows above the sea alone, and drops those beyond a range of depths.
 
 use crate::work::{BOUNDS_SHARE, ChannelTotals, End, Scene};
+use std::borrow::Cow;
 use terrafill_shadow_views::{Light, Pass, Rule, Seen, Truth, Wrong};
 
 terrafill_results::named! {
@@ -34,6 +35,21 @@ impl Counted {
                 .depth()
                 .is_some_and(|depth| (range[0]..=range[1]).contains(&depth)),
         }
+    }
+}
+
+impl Counted {
+    /// A mask that is as it should be where pixels do not count.
+    pub(crate) fn taken<'m>(self, mask: &'m [bool], truth: &Truth) -> Cow<'m, [bool]> {
+        if self == Self::All {
+            return Cow::Borrowed(mask);
+        }
+        let range = range_above_sea(truth);
+        let own = (0..mask.len()).map(|at| match truth.light[at] {
+            light if !self.holds(truth, range, at) => light == Light::Shadow,
+            _ => mask[at],
+        });
+        Cow::Owned(own.collect())
     }
 }
 
@@ -70,17 +86,12 @@ impl Scene {
         drawn: &ChannelTotals,
         counted: Counted,
     ) -> (Wrong, usize, usize) {
-        let channels = drawn.masks.iter().zip(&self.channels);
+        let channels = drawn.masks.iter().zip(self.truths());
         let none = (Wrong::default(), 0, 0);
-        channels.fold(none, |(wrong, lost, shadow), (mask, (_, truth))| {
+        channels.fold(none, |(wrong, lost, shadow), (mask, truth)| {
             let range = range_above_sea(truth);
             let counts = |at: &usize| counted.holds(truth, range, *at);
-            // What does not count is as it should be.
-            let own = (0..mask.len()).map(|at| match truth.light[at] {
-                light if !counts(&at) => light == Light::Shadow,
-                _ => mask[at],
-            });
-            let own: Vec<bool> = own.collect();
+            let own = counted.taken(mask, truth);
             let is_dark = |at: &usize| truth.light[*at] == Light::Shadow && counts(at);
             let dark = (0..mask.len()).filter(is_dark);
             let is_lost = dark.clone().filter(|at| !mask[*at]).count();

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use terrafill_contract::{CpuStopwatch, DeviceError, Devices, FrameTimes};
 use terrafill_core::nearest_f32;
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_texture};
-use terrafill_shadow_views::{DeckCamera, Light, Positions, surface};
+use terrafill_shadow_views::{DeckCamera, Light, Positions, sum_of, surface};
 use terrafill_study::Failure;
 
 const SHADER: &str = "casters/map.wgsl";
@@ -67,7 +67,8 @@ impl Scene {
             return Err(Failure::Unable(texels));
         }
         let sizes = [frame.columns, frame.rows].map(|side| u32::try_from(side).unwrap_or(allowed));
-        let size = self.darkest()?.0.size;
+        let size = self.views.first().map(|view| view.size);
+        let size = size.ok_or_else(|| "no channel".to_owned())?;
         let texture = |[width, height]: [u32; 2], format, usage| {
             gpu.texture("shadow map", [width, height, 1], 1, format, usage)
         };
@@ -80,7 +81,7 @@ impl Scene {
         let layout = layout(&gpu);
         let heights = frame.heights(self.mesh());
         let mut channels = Vec::new();
-        for (view, _) in &self.channels {
+        for view in &self.views {
             channels.push(self.channel(&gpu, &layout, (view, frame, heights), &map)?);
         }
         Ok(DeviceMap {
@@ -168,32 +169,47 @@ impl DeviceMap {
             numbers[BIAS_WORDS[usize::from(bias == Bias::Slope)]] = metres;
             let numbers = bytemuck::cast_slice(&numbers);
             self.gpu.write_buffer(&channel.asking, 0, numbers);
-            self.submit(at, false);
+            self.submit(at, at == 0, false);
             let pixels = read_texture(&self.gpu, &self.answer, wgpu::TextureAspect::All)?;
             masks.push(pixels.iter().map(|answer| *answer > 127).collect());
         }
         Ok(masks)
     }
 
-    /// Draws the map and asks it for a channel.
-    pub(crate) fn time(&self, channel: usize) -> Result<FrameTimes, DeviceError> {
-        let watch = CpuStopwatch::start();
-        self.submit(channel, true);
-        self.gpu.wait()?;
-        let mut times = FrameTimes {
-            fill_cpu_ms: watch.cpu_ms(),
-            fill_wall_ms: watch.wall_ms(),
-            ..FrameTimes::default()
-        };
-        if let Some(timer) = &self.timer {
-            let stamps = timer.read(&self.gpu, TimedPass::Stencil, TimedPass::Colour)?;
-            times.stencil_gpu_ms = stamps.pass_ms(TimedPass::Stencil);
-            times.fill_gpu_ms = stamps.span_ms(TimedPass::Stencil, TimedPass::Colour);
+    /// Draws the map once, and asks it for every channel.
+    pub(crate) fn time(&self) -> Result<FrameTimes, DeviceError> {
+        let mut sum = FrameTimes::default();
+        for channel in 0..self.channels.len() {
+            let watch = CpuStopwatch::start();
+            let is_first = channel == 0;
+            self.submit(channel, is_first, true);
+            self.gpu.wait()?;
+            let mut times = FrameTimes {
+                fill_cpu_ms: watch.cpu_ms(),
+                fill_wall_ms: watch.wall_ms(),
+                ..FrameTimes::default()
+            };
+            if let Some(timer) = &self.timer {
+                let first = if is_first {
+                    TimedPass::Stencil
+                } else {
+                    TimedPass::Colour
+                };
+                let stamps = timer.read(&self.gpu, first, TimedPass::Colour)?;
+                times.stencil_gpu_ms = stamps.pass_ms(first).filter(|_| is_first);
+                times.fill_gpu_ms = stamps.span_ms(first, TimedPass::Colour);
+            }
+            sum = if is_first {
+                times
+            } else {
+                sum_of(&sum, &times)
+            };
         }
-        Ok(times)
+        Ok(sum)
     }
 
-    fn submit(&self, channel: usize, is_timed: bool) {
+    /// - `draws_map`: before it is asked
+    fn submit(&self, channel: usize, draws_map: bool, is_timed: bool) {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let timer = self.timer.as_ref().filter(|_| is_timed);
         let own = &self.channels[channel];
@@ -207,7 +223,7 @@ impl DeviceMap {
                 stencil_ops: None,
             })
         };
-        {
+        if draws_map {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("shadow map"),
                 depth_stencil_attachment: depth(&self.map),
@@ -319,9 +335,9 @@ fn pipelines(
 
 /// Pixels of receivers that two ways of asking say otherwise of, over all channels.
 pub(crate) fn differing(scene: &Scene, one: &[Vec<bool>], other: &[Vec<bool>]) -> usize {
-    let channels = scene.channels.iter().zip(one.iter().zip(other));
+    let channels = scene.truths().iter().zip(one.iter().zip(other));
     channels
-        .map(|((_, truth), (one, other))| {
+        .map(|(truth, (one, other))| {
             let pixels = truth.light.iter().zip(one.iter().zip(other));
             pixels
                 .filter(|(light, (one, other))| {

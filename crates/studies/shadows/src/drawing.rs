@@ -5,50 +5,57 @@
 //! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
 //! in the same order, so that their depths are equal: equal depth fails.
 
+use crate::counted::Counted;
 use crate::loading::{Loadable, program};
 use crate::tiling::tiled;
 use crate::way::{Bounds, Cut, DeviceWay, Silhouettes};
 use crate::work::{End, Scene};
 use std::cell::LazyCell;
 use terrafill_casters::Volume;
-use terrafill_contract::{DeviceError, Devices, Frame, SurfaceView, mask_hash};
+use terrafill_contract::{DeviceError, Devices, Frame, FrameTimes, SurfaceView, mask_hash};
 use terrafill_scene::ImageSize;
 use terrafill_shadow_views::{
     Channel, DeckCamera, Draws, Light, ROUNDING_PX, Reference, Retile, VolumeSource, Wrong,
-    constants, count, listed, seen_by, slivers,
+    constants, count, listed, seen_by, slivers, sum_of,
 };
 use terrafill_stencil::{StencilWork, VolumeList};
 use terrafill_study::Failure;
 
-/// What a device drew, over all channels.
+/// What a device drew, over all channels, before anybody judges it.
 #[derive(Default)]
 pub(crate) struct DeviceDrawn {
-    pub(crate) wrong: Wrong,
-    /// Shadow pixels of the reference that are lit, in the band too.
-    pub(crate) lost: usize,
-    pub(crate) draws: u64,
-    /// Of volumes; `None` where the device does not count them.
-    pub(crate) fragments: Option<u64>,
-    /// Why a device's count of fragments cannot be right; empty where it can.
-    pub(crate) miscounted: String,
+    pub(crate) masks: Vec<Vec<bool>>,
+    /// Channels, ready to be timed.
+    pub(crate) draws: Vec<Box<dyn Draws>>,
+    pub(crate) draw_calls: u64,
     /// Of a channel, the largest: as of [`Channel`].
     pub(crate) bytes: [u64; 2],
     pub(crate) build_ms: Option<f64>,
     /// Casters times channels that were not drawn.
     pub(crate) left_out: usize,
-    pub(crate) volume_triangles: usize,
-    /// Of all channels' masks.
-    pub(crate) mask_hash: String,
-    /// Channels that are kept, ready to be timed, and their masks.
-    pub(crate) kept: Vec<(Box<dyn Draws>, Vec<bool>)>,
+    /// Of which triangles may be too thin for a device; none where no volumes are drawn.
+    pub(crate) volume: Option<Volume>,
 }
 
-/// Which channels stay open: each holds render targets of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kept {
-    /// The one with the most shadow.
-    Darkest,
-    All,
+/// What the reference says of it.
+#[derive(Debug, Default)]
+pub(crate) struct JudgedDrawn {
+    pub(crate) wrong: Wrong,
+    /// Shadow pixels of the reference that are lit, in the band too.
+    pub(crate) lost: usize,
+    /// Of volumes; `None` where the device does not count them.
+    pub(crate) fragments: Option<u64>,
+    /// Why a device's count of fragments cannot be right; empty where it can.
+    pub(crate) miscounted: String,
+    /// Of all channels' masks, the sky left out.
+    pub(crate) mask_hash: String,
+}
+
+impl DeviceDrawn {
+    /// Of all that it shows, sky and all.
+    pub(crate) fn hash(&self) -> String {
+        mask_hash_of(&self.masks.concat())
+    }
 }
 
 impl Scene {
@@ -57,7 +64,6 @@ impl Scene {
         &self,
         devices: &Devices,
         way: DeviceWay,
-        kept: Kept,
     ) -> Result<DeviceDrawn, Failure> {
         let volume = match way.silhouettes {
             Silhouettes::EachTriangle => self.volume_of_each_triangle(way.end),
@@ -65,11 +71,11 @@ impl Scene {
         }?;
         // A rectangle holds the volume closed at the sea, wherever the one that is drawn ends.
         let closed = match way.cut {
-            Cut::Off => None,
-            _ => Some(self.volume(End::Sea)?),
+            Cut::Off | Cut::SeaLevel => None,
+            Cut::Culled | Cut::Rectangle => Some(self.volume(End::Sea)?),
         };
         let found = self.found_by(way)?;
-        let open = |view: &DeckCamera, reference: &Reference<'_>| -> Result<Channel, Failure> {
+        let drawn = self.draw_channels(|view, reference| {
             let loadable = match &found {
                 None => self.loadable(way, view, &volume, closed.as_ref(), reference)?,
                 Some(found) => {
@@ -87,66 +93,79 @@ impl Scene {
                 build_ms: None,
                 draws: self.open_with(devices, way, view, loadable, true)?,
             })
-        };
-        let drawn = self.draw_channels(Some(&volume), kept, open)?;
+        })?;
         Ok(DeviceDrawn {
-            volume_triangles: volume.triangles.len(),
+            volume: Some(volume),
             ..drawn
         })
     }
 
-    /// Draws every channel and compares it with the reference.
-    ///
-    /// - `volume`: of which triangles may be too thin for a device
+    /// Draws every channel.
     pub(crate) fn draw_channels(
         &self,
-        volume: Option<&Volume>,
-        kept: Kept,
         open: impl Fn(&DeckCamera, &Reference<'_>) -> Result<Channel, Failure>,
     ) -> Result<DeviceDrawn, Failure> {
-        let darkest = self.darkest_channel()?;
         let reference = Reference::new(self.mesh(), self.to_light);
-        let mut drawn = DeviceDrawn {
-            fragments: Some(0),
-            ..DeviceDrawn::default()
-        };
-        let mut all = Vec::new();
-        for (at, (view, truth)) in self.channels.iter().enumerate() {
+        let mut drawn = DeviceDrawn::default();
+        for view in &self.views {
             let mut channel = open(view, &reference)?;
             let (counters, mask) = channel.draws.draw()?;
-            let slivers = LazyCell::new(|| volume.map(|own| slivers(view, own, ROUNDING_PX)));
-            let is_rim = |at: usize, light| {
-                let is_sliver = slivers.as_ref().is_some_and(|slivers| slivers[at]);
-                is_sliver || self.is_within_rounding(&reference, view, at, light)
-            };
-            let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
-            drawn.wrong = drawn.wrong.plus(wrong);
-            drawn.lost += truth.lost(&mask);
             drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(channel.bytes[at]));
             drawn.left_out += channel.left_out;
-            drawn.draws += counters.draws;
+            drawn.draw_calls += counters.draws;
+            // The same tree for every channel.
+            drawn.build_ms = channel.build_ms;
+            drawn.draws.push(channel.draws);
+            drawn.masks.push(mask);
+        }
+        Ok(drawn)
+    }
+
+    /// Compares what was drawn with the reference.
+    ///
+    /// - `channels`: that drew it, which count fragments
+    /// - `counted`: where pixels are judged
+    pub(crate) fn compared(
+        &self,
+        drawn: &DeviceDrawn,
+        channels: &mut [Box<dyn Draws>],
+        counted: Counted,
+    ) -> Result<JudgedDrawn, Failure> {
+        let reference = Reference::new(self.mesh(), self.to_light);
+        let mut judged = JudgedDrawn {
+            fragments: Some(0),
+            ..JudgedDrawn::default()
+        };
+        let mut all = Vec::new();
+        let channels = self.channels().zip(drawn.masks.iter().zip(channels));
+        for ((view, truth), (mask, draws)) in channels {
+            let slivers = LazyCell::new(|| {
+                let volume = drawn.volume.as_ref();
+                volume.map(|own| slivers(view, own, ROUNDING_PX))
+            });
+            let is_rim = |at: usize, light| {
+                // Every triangle of the volume is looked at for slivers, so last.
+                self.is_within_rounding(&reference, view, at, light)
+                    || slivers.as_ref().is_some_and(|slivers| slivers[at])
+            };
+            let own = counted.taken(mask, truth);
+            judged.wrong = judged.wrong.plus(Wrong::but_at_rims(&own, truth, is_rim));
+            judged.lost += truth.lost(&own);
             let dark = mask.iter().filter(|dark| **dark).count();
-            let counted = plausible(counters.stencil_fragments, dark);
-            let counted = counted.unwrap_or_else(|miscounted| {
-                drawn.miscounted = miscounted;
+            let counted = plausible(draws.fragments()?, dark).unwrap_or_else(|miscounted| {
+                judged.miscounted = miscounted;
                 None
             });
-            drawn.fragments = drawn
+            judged.fragments = judged
                 .fragments
                 .zip(counted)
                 .map(|(before, own)| before + own);
             // What is sky has no shadow, whatever the count there.
             let pixels = mask.iter().zip(&truth.light);
             all.extend(pixels.map(|(dark, light)| *dark && *light != Light::Sky));
-            if at == darkest {
-                drawn.build_ms = channel.build_ms;
-            }
-            if at == darkest || kept == Kept::All {
-                drawn.kept.push((channel.draws, mask));
-            }
         }
-        drawn.mask_hash = hash(&all);
-        Ok(drawn)
+        judged.mask_hash = mask_hash_of(&all);
+        Ok(judged)
     }
 
     /// - `draws_back_faces`: as [`SurfaceView`] has it
@@ -197,6 +216,16 @@ impl Scene {
     }
 }
 
+/// Times of all channels, one after the other.
+pub(crate) fn times_of(channels: &mut [Box<dyn Draws>]) -> Result<FrameTimes, Failure> {
+    let mut sum: Option<FrameTimes> = None;
+    for draws in channels {
+        let times = draws.time()?;
+        sum = Some(sum.map_or(times, |sum| sum_of(&sum, &times)));
+    }
+    sum.ok_or_else(|| "no channel".to_owned().into())
+}
+
 /// A device's count of the volumes' fragments, unless it is too small to be one: a pixel in shadow takes a fragment.
 pub(crate) fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u64>, String> {
     match fragments {
@@ -207,7 +236,8 @@ pub(crate) fn plausible(fragments: Option<u64>, dark: usize) -> Result<Option<u6
     }
 }
 
-fn hash(mask: &[bool]) -> String {
+/// Of pixels in shadow, row by row.
+pub(crate) fn mask_hash_of(mask: &[bool]) -> String {
     mask_hash(&Frame {
         size: ImageSize::new(count(mask.len()), 1),
         ids: mask.iter().map(|is_dark| u32::from(*is_dark)).collect(),

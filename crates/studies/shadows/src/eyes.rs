@@ -105,6 +105,6 @@ impl EyeTable {
             Ok::<_, String>(drawn.masks.concat())
         };
         let masks = [mask(EyeTest::Eye)?, mask(EyeTest::Exact)?];
-        Ok(Some((scene.channels[0].1.clone(), masks)))
+        Ok(Some((scene.truths()[0].clone(), masks)))
     }
 }

@@ -5,13 +5,11 @@ use crate::ablation::StencilStep;
 use crate::counted::{Counted, Ranges};
 use crate::lamps::{LampEye, LampName, Limit};
 use crate::maps::Bias;
-use crate::metrics::{CHECKED_PX, SIZE_PX};
 use crate::rivals::Rival;
 use crate::views::{Chooser, Eyes, Place};
 use crate::way::DeviceWay;
 use crate::work::{End, Scissor};
 use terrafill_casters::Policy;
-use terrafill_results::ConditionKey;
 use terrafill_shadow_views::{EYE_SIZE, EyeTest, Interface, Rule};
 
 terrafill_results::named! {
@@ -20,6 +18,35 @@ terrafill_results::named! {
         Stack = "stack",
         Hash = "hash",
         Adjacency = "adjacency",
+    }
+}
+
+/// Casters of a frame: the paper's scale, and ten times it.
+pub(crate) const PORT: &str = "port-m";
+pub(crate) const TEN_PORTS: &str = "port-m10";
+
+/// A frame with every optimisation but depth bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HarbourFrame {
+    pub(crate) sun: [f64; 2],
+    pub(crate) eyes: Eyes,
+    pub(crate) interface: Interface,
+    /// Name of the casters.
+    pub(crate) port: &'static str,
+    /// Of each channel, pixels; `None` for what the run draws frames in.
+    pub(crate) size: Option<[u32; 2]>,
+}
+
+impl HarbourFrame {
+    /// Of the port, as large as the run draws frames.
+    pub(crate) fn plain(sun: [f64; 2], eyes: Eyes, interface: Interface) -> Self {
+        Self {
+            sun,
+            eyes,
+            interface,
+            port: PORT,
+            size: None,
+        }
     }
 }
 
@@ -48,7 +75,7 @@ pub(crate) enum Job {
     Rival([f64; 2], Eyes, Rival),
     View([f64; 2], Place, Chooser),
     /// A frame of all channels.
-    Harbour([f64; 2], Eyes, Interface),
+    Harbour(HarbourFrame),
     StencilStep([f64; 2], StencilStep),
     /// From the bridge, counted along rays.
     Lamp(LampName, Rule, Limit),
@@ -59,26 +86,26 @@ pub(crate) enum Job {
 }
 
 impl Job {
-    /// Sizes of its pictures as conditions.
+    /// Pixels of each of its channels.
     ///
-    /// - `checked`: of all channels
-    /// - `timed`: of the one that is timed and kept as a picture
-    /// - `frame`: of each channel of a frame
-    pub(crate) fn sizes(
-        self,
-        checked: [u32; 2],
-        timed: [u32; 2],
-        frame: [u32; 2],
-    ) -> Vec<(ConditionKey, [u32; 2])> {
+    /// - `computed`: of each channel in which the CPU answers
+    /// - `frame`: of each channel that a device draws
+    pub(crate) fn size(self, computed: [u32; 2], frame: [u32; 2]) -> Option<[u32; 2]> {
         match self {
-            Self::Harbour(..) | Self::DeviceLamp(..) | Self::DeviceMoon(..) => {
-                vec![(SIZE_PX, frame)]
-            }
-            Self::Model | Self::Silhouette(..) => Vec::new(),
-            Self::Eye(..) => vec![(SIZE_PX, EYE_SIZE)],
-            job if job.is_of_device() => vec![(SIZE_PX, timed), (CHECKED_PX, checked)],
-            _ => vec![(SIZE_PX, checked)],
+            Self::Harbour(own) => Some(own.size.unwrap_or(frame)),
+            Self::DeviceLamp(..) | Self::DeviceMoon(..) => Some(frame),
+            Self::Model | Self::Silhouette(..) => None,
+            Self::Eye(..) => Some(EYE_SIZE),
+            // Thousands of their pixels are to be wrong, and the reference asks for each of them.
+            Self::Near(..) | Self::DeviceRow(..) => Some(computed),
+            job if job.is_of_device() => Some(frame),
+            _ => Some(computed),
         }
+    }
+
+    /// Whether a device draws it.
+    pub(crate) fn is_drawn(self) -> bool {
+        self.is_of_device() || matches!(self, Self::Origin(..) | Self::Facing(..))
     }
 
     /// Whether a device is timed at it.

@@ -8,11 +8,13 @@
 mod drawing;
 mod night;
 
+pub(crate) use self::drawing::LampDrawn;
 pub(crate) use self::night::{by_moon, picture};
 
 use crate::views::Place;
 use crate::work::{ChannelTotals, closed, port_m};
 use glam::DVec3;
+use std::cell::OnceCell;
 use terrafill_casters::{EdgeTable, Facing, Prepared, Reach, Side, Volume};
 use terrafill_plan::PixelRect;
 use terrafill_shadow_views::{
@@ -129,7 +131,7 @@ impl Limit {
 pub(crate) struct LampScene {
     pub(crate) lamp: Lamp,
     pub(crate) view: DeckCamera,
-    pub(crate) truth: Truth,
+    truth: OnceCell<Truth>,
     prepared: Prepared,
     facing: Facing,
     sides: Vec<Side>,
@@ -160,15 +162,22 @@ impl LampScene {
                 found.ok_or_else(none)?.sized(size)
             }
         };
-        let truth = reference.picture(&view);
         let facing = Facing::towards(mesh, lamp.place);
         Ok(Self {
             sides: EdgeTable::of(mesh).sides(&prepared, &facing),
             lamp,
             view,
-            truth,
+            truth: OnceCell::new(),
             facing,
             prepared,
+        })
+    }
+
+    /// Found where somebody first asks: a process that only times never does.
+    pub(crate) fn truth(&self) -> &Truth {
+        self.truth.get_or_init(|| {
+            let reference = LampReference::new(&self.prepared.mesh, self.lamp);
+            reference.picture(&self.view)
         })
     }
 
@@ -228,10 +237,10 @@ impl LampScene {
             _ => Vec::new(),
         };
         let pass = Pass { parts, bounds };
-        let stencil = Stencil::of(view, &self.prepared.mesh, &volume, &self.truth, &pass);
+        let stencil = Stencil::of(view, &self.prepared.mesh, &volume, self.truth(), &pass);
         let mask = stencil.mask();
         ChannelTotals {
-            wrong: Wrong::of(&mask, &self.truth),
+            wrong: Wrong::of(&mask, self.truth()),
             updates: stencil.updates,
             max_overlap: stencil.counts.into_iter().max().unwrap_or(0),
             volume_triangles: volume.triangles.len(),
@@ -272,7 +281,7 @@ mod tests {
                 Light::OutOfReach,
                 Light::Undecided,
             ];
-            let [lit, dark, beyond, apart] = counts.map(|light| scene.truth.count(light));
+            let [lit, dark, beyond, apart] = counts.map(|light| scene.truth().count(light));
             let seen = format!("{}: {lit} lit, {dark} dark, {beyond} beyond", name.name());
             assert!(lit > 20 && dark > 20 && beyond > 100, "{seen}");
             assert_eq!(apart, 0);
@@ -286,8 +295,8 @@ mod tests {
                     if !limit.may_be_wrong() {
                         assert_eq!(own.wrong.outside(), 0, "{what}");
                         assert_eq!(
-                            scene.truth.lost(&own.masks[0]),
-                            scene.truth.lost(&whole.masks[0]),
+                            scene.truth().lost(&own.masks[0]),
+                            scene.truth().lost(&whole.masks[0]),
                             "{what}"
                         );
                     }

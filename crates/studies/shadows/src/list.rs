@@ -7,7 +7,7 @@ use self::planned::{planned, question};
 use crate::ablation::steps;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
-use crate::job::{Job, Method};
+use crate::job::{HarbourFrame, Job, Method, TEN_PORTS};
 use crate::lamps::{LampEye, LampName, Limit};
 use crate::maps::Bias;
 use crate::rivals::Rival;
@@ -36,9 +36,12 @@ const SUNS: [[f64; 2]; 9] = [
     [0.2, -60.0],
 ];
 const QUICK_SUNS: usize = 4;
-/// Suns of devices; a quick run has the first.
-const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
+/// Suns of devices: of the first every way is drawn, of the others those of the paper's questions. A quick run has the
+/// first.
+const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [60.0, 90.0], [30.0, -60.0], [5.0, 0.0]];
 const QUICK_DEVICE_SUNS: usize = 1;
+/// Suns of the ablation and of rivals, of which the paper says nothing sun by sun.
+const OTHER_SUNS: usize = 1;
 /// Suns of frames that are looked at: a quick run has the first.
 const HARBOUR_SUNS: [[f64; 2]; 5] = [
     [10.0, -60.0],
@@ -48,13 +51,11 @@ const HARBOUR_SUNS: [[f64; 2]; 5] = [
     [1.0, -60.0],
 ];
 const QUICK_HARBOUR_SUNS: usize = 1;
-/// Frames of a sun: all channels of the bridge, and the one view from above.
-const FRAMES: [(Eyes, Interface); 4] = [
-    (Eyes::Bridge, Interface::Wgpu),
-    (Eyes::Bridge, Interface::Vulkan),
-    (Eyes::At(Place::Aerial), Interface::Wgpu),
-    (Eyes::At(Place::Aerial), Interface::Vulkan),
-];
+/// From where frames are seen: all channels of the bridge, and the one view from above.
+const FRAMES: [Eyes; 2] = [Eyes::Bridge, Eyes::At(Place::Aerial)];
+/// Pixels of each channel by which a run says what fits a frame's budget; a quick run has the first two, and a full one
+/// the last.
+const FITTING: [[u32; 2]; 5] = [[128, 96], [256, 192], [512, 384], [1024, 768], [3840, 2160]];
 /// Rules under the moon.
 const MOONLIT: [Rule; 2] = [Rule::Fail, Rule::Pass];
 /// Sun of facings.
@@ -62,10 +63,11 @@ const FACING_SUN: [f64; 2] = [30.0, -60.0];
 /// Distances of an origin from the port, m: the last is that of the earth's centre.
 const ORIGINS_M: [f64; 3] = [1e5, 1e6, 6.371e6];
 /// Suns of maps and their texels, m; a quick run has the first sun and the first two texels.
-const MAP_SUNS: [[f64; 2]; 5] = [
+const MAP_SUNS: [[f64; 2]; 6] = [
     [10.0, -60.0],
+    [60.0, 90.0],
     [30.0, -60.0],
-    [5.0, -60.0],
+    [5.0, 0.0],
     [2.0, -60.0],
     [1.0, -60.0],
 ];
@@ -125,7 +127,7 @@ const OF_ANY_MODEL: [&str; 10] = [
     "device-maps",
 ];
 
-/// How devices draw: what differs from one to the next is one thing.
+/// How devices draw: what differs from one to the next is one thing. Under the first sun.
 fn device_ways(interface: Interface) -> Vec<DeviceWay> {
     let way = DeviceWay::plain(interface);
     let (end, rule, faces) = (End::Infinite, Rule::Pass, FacePasses::TwoPass);
@@ -135,6 +137,7 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         counting: Counting::Parts { is_guarded: false },
         ..bounded(bounds)
     };
+    let by_rule = |counting| DeviceWay { counting, ..way };
     let mut ways = vec![
         DeviceWay { end, ..way },
         DeviceWay { end, rule, ..way },
@@ -145,6 +148,14 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
             cut: Cut::Rectangle,
             ..way
         },
+        DeviceWay {
+            cut: Cut::SeaLevel,
+            ..way
+        },
+        by_rule(Counting::ByView(EyeTest::Eye)),
+        by_rule(Counting::ByView(EyeTest::Exact)),
+        by_rule(Counting::Chosen(EyeTest::EyeModel)),
+        by_rule(Counting::Chosen(EyeTest::Exact)),
         bounded(Bounds::Native),
         by_part(Bounds::Native),
         bounded(Bounds::Tiles),
@@ -159,6 +170,7 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         silhouettes,
         ..way
     };
+    ways.push(found(Silhouettes::EachFrame, end));
     match interface {
         Interface::Wgpu => ways.extend([
             bounded(Bounds::Discard),
@@ -175,6 +187,29 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
     ways
 }
 
+/// The same under other suns: what the paper asks, by the interface that has it.
+fn asked_ways(interface: Interface) -> Vec<DeviceWay> {
+    let is_own = |way: &DeviceWay| match (interface, way.silhouettes, way.bounds) {
+        // By part more is drawn, and the closed volumes of compute are asked once.
+        _ if matches!(way.counting, Counting::Parts { .. }) => false,
+        (Interface::Wgpu, Silhouettes::Computed, _) => way.end == End::Infinite,
+        (Interface::Wgpu, _, _) => way.rule != Rule::Preload,
+        (Interface::Vulkan, Silhouettes::Geometry(by), _) => by == Adjacency::Triangles,
+        (Interface::Vulkan, _, Bounds::Native) => true,
+        // What these are compared with.
+        (Interface::Vulkan, _, _) => {
+            let plain = DeviceWay::plain(interface);
+            [End::Infinite, End::Sea]
+                .map(|end| DeviceWay { end, ..plain })
+                .contains(way)
+                || way.silhouettes == Silhouettes::EachFrame
+        }
+    };
+    let mut ways = device_ways(interface);
+    ways.retain(is_own);
+    ways
+}
+
 /// Whose near plane is partly in shadow: by rule, and by who chooses it.
 fn near_ways(interface: Interface) -> Vec<DeviceWay> {
     let way = DeviceWay::plain(interface);
@@ -183,6 +218,7 @@ fn near_ways(interface: Interface) -> Vec<DeviceWay> {
     vec![
         rule(Rule::Pass),
         counting(Counting::Chosen(EyeTest::Eye)),
+        counting(Counting::Chosen(EyeTest::EyeModel)),
         counting(Counting::Chosen(EyeTest::PartBox)),
         counting(Counting::Chosen(EyeTest::Exact)),
         counting(Counting::ZpPlus),
@@ -252,6 +288,37 @@ fn under<A: Copy, B: Copy>(
 ) -> Vec<Job> {
     let of = |sun: &[f64; 2]| cross(first, second, |a, b| job(*sun, a, b));
     suns.iter().flat_map(of).collect()
+}
+
+/// Frames that are looked at.
+fn harbours(suns: &[[f64; 2]]) -> Vec<Job> {
+    let of = |sun, eyes| Interface::ALL.map(|interface| HarbourFrame::plain(sun, eyes, interface));
+    let mut frames: Vec<HarbourFrame> = Vec::new();
+    for sun in suns {
+        frames.extend(FRAMES.iter().flat_map(|eyes| of(*sun, *eyes)));
+    }
+    frames.into_iter().map(Job::Harbour).collect()
+}
+
+/// Frames from the bridge in several sizes, and of ten times the casters.
+fn fitted(sizes: &[[u32; 2]]) -> Vec<Job> {
+    let of = |interface| {
+        let frame = HarbourFrame::plain(LOW_SUN, Eyes::Bridge, interface);
+        let of_size = move |size: &[u32; 2]| HarbourFrame {
+            size: Some(*size),
+            ..frame
+        };
+        let tenfold = HarbourFrame {
+            port: TEN_PORTS,
+            ..frame
+        };
+        sizes.iter().map(of_size).chain([tenfold])
+    };
+    Interface::ALL
+        .into_iter()
+        .flat_map(of)
+        .map(Job::Harbour)
+        .collect()
 }
 
 /// Each lamp with every limit. A quick run has one rule.
@@ -350,10 +417,15 @@ pub(crate) fn questions(
     let of_boxes = |is_edge_on, way| Job::Facing(FACING_SUN, is_edge_on, way);
     let seen = |way, (sun, eyes)| Job::Origin(sun, eyes, way);
     let of_bounds = |sun, rule, (ranges, counted)| Job::Bounds(sun, rule, ranges, counted);
-    let of_harbour = |sun, (eyes, interface)| Job::Harbour(sun, eyes, interface);
-    let all: [Vec<Job>; 22] = [
+    let fitting = match depth {
+        Depth::Quick => &FITTING[..2],
+        Depth::Main => &FITTING[..4],
+        Depth::Full => &FITTING[..],
+    };
+    let all: [Vec<Job>; 23] = [
         vec![Job::Model],
-        cross(harbour_suns, &FRAMES, of_harbour),
+        harbours(harbour_suns),
+        fitted(fitting),
         under(&DECK_SUNS, &NEARS, &EyeTest::ALL, Job::Eye),
         updates.collect(),
         cross(&Place::ALL, &Chooser::ALL, of_place),
@@ -363,17 +435,32 @@ pub(crate) fn questions(
         cross(&ROWS, &[false, true], Job::Row),
         Policy::ALL.map(Job::Casters).into(),
         cross(meshes, &Method::ALL, Job::Silhouette),
-        under(device_suns, &BRIDGE, &of_both(device_ways), Job::Device)
-            .into_iter()
-            .chain(under(
-                from_above,
-                &ABOVE,
-                &of_both(device_ways),
-                Job::Device,
-            ))
-            .collect(),
-        cross(device_suns, &of_both(steps), Job::StencilStep),
-        under(device_suns, &BRIDGE, &Rival::ALL, Job::Rival)
+        under(
+            &device_suns[..1],
+            &BRIDGE,
+            &of_both(device_ways),
+            Job::Device,
+        )
+        .into_iter()
+        .chain(under(
+            &device_suns[1..],
+            &BRIDGE,
+            &of_both(asked_ways),
+            Job::Device,
+        ))
+        .chain(under(
+            from_above,
+            &ABOVE,
+            &of_both(device_ways),
+            Job::Device,
+        ))
+        .collect(),
+        cross(
+            &device_suns[..OTHER_SUNS],
+            &of_both(steps),
+            Job::StencilStep,
+        ),
+        under(&device_suns[..OTHER_SUNS], &BRIDGE, &Rival::ALL, Job::Rival)
             .into_iter()
             .chain(under(from_above, &ABOVE, &Rival::ALL, Job::Rival))
             .collect(),
@@ -382,7 +469,7 @@ pub(crate) fn questions(
         cross(&[true, false], &of_both(facing_ways), of_boxes),
         cross(&of_both(origin_ways), &ORIGINS_SEEN, seen),
         under(map_suns, texels, &Bias::ALL, Job::Map),
-        under(map_suns, texels, &Bias::DRAWN, Job::DeviceMap),
+        under(device_suns, texels, &Bias::DRAWN, Job::DeviceMap),
         counted_lamps(is_quick)
             .into_iter()
             .chain(MOONLIT.map(Job::Moon))

@@ -14,8 +14,8 @@ use terrafill_core::nearest_f32;
 use terrafill_plan::{NearRectangle, PixelRect};
 use terrafill_scene::Overlap;
 use terrafill_shadow_views::{
-    DeckCamera, EyeVolumes, NONE, Reference, Rule, VolumeSource, count, eye_vertices, joined,
-    listed, near_caps, of_parts,
+    Boxes, DeckCamera, EyeVolumes, NONE, Reference, Rule, VolumeSource, around, count,
+    eye_vertices, joined, listed, near_caps, of_parts,
 };
 use terrafill_stencil::{DepthRange, DepthRule, FillCommand, FillProgram};
 use terrafill_study::Failure;
@@ -43,13 +43,18 @@ pub(crate) struct Together {
 impl Together {
     /// Where it is drawn; `None` for nowhere.
     ///
-    /// - `rectangles`: of each part, where volumes are cut
+    /// - `rectangles`: of each part, where volumes are cut to theirs
+    /// - `above_sea`: as of [`Scene::above_sea`]
     pub(crate) fn rectangle(
         &self,
         way: DeviceWay,
         view: &DeckCamera,
         rectangles: Option<&[PixelRect]>,
+        above_sea: PixelRect,
     ) -> Option<PixelRect> {
+        if way.cut == Cut::SeaLevel {
+            return (above_sea.area() > 0).then_some(above_sea);
+        }
         let own = rectangles.map(|all| self.parts.iter().map(|part| all[*part]).fold(NONE, joined));
         match own {
             Some(own) if own.area() == 0 => None,
@@ -60,6 +65,17 @@ impl Together {
 }
 
 impl Scene {
+    /// The rectangle round all that stands above the sea, as a view has it; the whole where nothing is cut to it.
+    pub(crate) fn above_sea(&self, way: DeviceWay, view: &DeckCamera) -> PixelRect {
+        if way.cut != Cut::SeaLevel {
+            return view.whole();
+        }
+        let mesh = self.mesh();
+        let all =
+            (0..mesh.triangles.len()).map(|at| mesh.corners(at).map(|place| place - view.eye));
+        all.map(|corners| around(view, &corners)).fold(NONE, joined)
+    }
+
     /// What is counted and drawn together.
     pub(crate) fn groups(
         &self,
@@ -81,8 +97,12 @@ impl Scene {
                 let parts = 0..mesh.parts.len();
                 parts.map(|part| all(part..part + 1)).collect()
             }
-            Counting::Chosen(test) => {
-                let fail = self.fails(test, view, reference);
+            Counting::Chosen(test) | Counting::ByView(test) => {
+                let mut fail = self.fails(test, view, &Boxes::of(mesh), reference);
+                if matches!(way.counting, Counting::ByView(_)) {
+                    let is_any = fail.contains(&true);
+                    fail.fill(is_any);
+                }
                 let of = |caster: &terrafill_casters::Caster| {
                     let split = [false, true].map(|is_near| {
                         let parts = caster.parts.clone();
@@ -94,6 +114,28 @@ impl Scene {
                 mesh.casters.iter().flat_map(of).collect()
             }
         }
+    }
+
+    /// Volumes of the CPU by caster, as this eye sees them: what is handed over.
+    pub(crate) fn eye_volumes(
+        &self,
+        way: DeviceWay,
+        view: &DeckCamera,
+        volume: &Volume,
+    ) -> EyeVolumes {
+        let mut volumes = EyeVolumes {
+            vertices: eye_vertices(way.positions, view, volume),
+            ..EyeVolumes::default()
+        };
+        let of_part = corners_of_parts(volume, self.mesh().parts.len());
+        for caster in &self.mesh().casters {
+            let first = count(volumes.indices.len());
+            for part in caster.parts.clone() {
+                volumes.indices.extend(&of_part[part]);
+            }
+            volumes.ranges.push(first..count(volumes.indices.len()));
+        }
+        volumes
     }
 
     /// Volumes as this eye sees them.
@@ -113,13 +155,12 @@ impl Scene {
             ..EyeVolumes::default()
         };
         let (mut list, mut left_out) = (Vec::new(), 0);
+        let above_sea = self.above_sea(way, view);
         let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
-        let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); mesh.parts.len()];
-        for triangle in &volume.triangles {
-            of_part[triangle.part as usize].extend(triangle.corners);
-        }
+        let of_part = corners_of_parts(volume, mesh.parts.len());
         for group in self.groups(way, view, reference) {
-            let Some(screen_rect) = group.rectangle(way, view, rectangles.as_deref()) else {
+            let rectangle = group.rectangle(way, view, rectangles.as_deref(), above_sea);
+            let Some(screen_rect) = rectangle else {
                 left_out += 1;
                 continue;
             };
@@ -161,6 +202,15 @@ impl Scene {
             left_out,
         })
     }
+}
+
+/// Of each part, corners of its volume's triangles.
+fn corners_of_parts(volume: &Volume, parts: usize) -> Vec<Vec<u32>> {
+    let mut of_part = vec![Vec::new(); parts];
+    for triangle in &volume.triangles {
+        of_part[triangle.part as usize].extend(triangle.corners);
+    }
+    of_part
 }
 
 /// Depths of the surface at which a closed volume of these corners can be around it.

@@ -40,7 +40,7 @@ impl Bias {
     /// Of devices.
     pub(crate) const DRAWN: [Self; 2] = [Self::Constant, Self::Slope];
 
-    fn steps(self) -> &'static [f64] {
+    pub(crate) fn steps(self) -> &'static [f64] {
         match self {
             Self::Constant | Self::Everywhere => &CONSTANT_M,
             Self::Slope => &SLOPE_TEXELS,
@@ -263,7 +263,7 @@ impl Scene {
             let masks = masks(*step);
             let (mut sum, mut judged) = (Wrong::default(), 0);
             for &channel in &three {
-                let truth = &self.channels[channel].1;
+                let truth = &self.truths()[channel];
                 sum = sum.plus(Wrong::of(&masks[channel], truth));
                 judged += truth.judged();
             }
@@ -287,32 +287,33 @@ impl Scene {
 
     /// So many channels, those that see most pixels of casters.
     fn with_most_casters(&self, count: usize) -> Vec<usize> {
+        let truths = self.truths();
         let seen = |at: &usize| {
-            let seen = self.channels[*at].1.seen.iter();
+            let seen = truths[*at].seen.iter();
             seen.filter(|seen| matches!(seen, Seen::Triangle(..)))
                 .count()
         };
-        let mut channels: Vec<usize> = (0..self.channels.len()).collect();
+        let mut channels: Vec<usize> = (0..truths.len()).collect();
         channels.sort_by_cached_key(|at| std::cmp::Reverse(seen(at)));
         channels.truncate(count);
         channels
     }
 
     pub(crate) fn judged(&self) -> usize {
-        self.channels.iter().map(|(_, truth)| truth.judged()).sum()
+        self.truths().iter().map(Truth::judged).sum()
     }
 
     /// Masks of all channels against the reference.
     pub(crate) fn wrong(&self, masks: &[Vec<bool>]) -> Wrong {
-        let channels = masks.iter().zip(&self.channels);
-        channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
+        let channels = masks.iter().zip(self.truths());
+        channels.fold(Wrong::default(), |sum, (mask, truth)| {
             sum.plus(Wrong::of(mask, truth))
         })
     }
 
     /// What the map says of each pixel of each channel; `None` for the sky.
     pub(crate) fn asked(&self, map: &Map) -> Vec<Vec<Option<Asked>>> {
-        let channels = self.channels.iter();
+        let channels = self.channels();
         channels
             .map(|(view, truth)| self.asked_of(map, view, truth))
             .collect()

@@ -9,7 +9,6 @@ terrafill_results::conditions! {
     BIAS = "bias", "what keeps a lit receiver out of its own shadow in a map";
     BOXES = "boxes", "how boxes are turned: edge-on to the sun, or at random";
     CASTERS = "casters", "how many models cast shadows";
-    CHECKED_PX = "checked_px", "pixels a side that a ray decides";
     COUNTED = "counted", "which pixels are judged, where not all are: above the sea, or in the range of depths";
     COUNTING = "counting", "how many shadows of one pixel a stencil of 8 bits tells apart";
     DEPTH_BOUNDS = "depth_bounds", "where the surface must lie for a fragment of a volume to count: in its range of depth, tested by the device, a shader, or for tiles";
@@ -53,6 +52,10 @@ terrafill_results::conditions! {
     "near-box-model" = "by the box of each model";
     "near-box-part" = "by the box of each convex part";
     "near-exact" = "by the lit triangles of each convex part";
+    "eye-model" = "for each model, by whether it stands between the eye and the sun";
+    "by view" = "one rule for all casters of a view";
+    "each frame" = "the CPU finds silhouettes anew and hands volumes over in every frame";
+    "port-m10" = "ten ports, each of other cranes, ships and containers";
     "stack" = "edges in a stack, as published";
     "hash" = "edges in a hash table";
     "adjacency" = "each triangle knows its neighbours";
@@ -94,10 +97,25 @@ terrafill_results::metrics! {
     .ranking(Primary::Any);
     FILL_CPU = Metric::time_ms(
         "shadow_fill_cpu_ms",
-        "Process CPU time in which a device draws the shadows of the channel that has most, in a picture of `size_px`; surface and volumes are there already.",
+        "Process CPU time in which a device draws the shadows of all channels, one after the other; surface and volumes are there already.",
     )
     .covering(Scope::FRAME);
     FILL_GPU = Metric::time_ms("shadow_fill_gpu_ms", "GPU time of the same.").covering(Scope::DEVICE);
+    WHOLE_CPU = Metric::time_ms(
+        "shadow_whole_cpu_ms",
+        "Process CPU time of a frame's shadows in all channels: what the CPU does for them first, and what the device draws. The CPU chooses rules, or finds volumes and hands them over, where that is done each frame.",
+    )
+    .covering(Scope::FRAME.and(Scope::PLAN));
+    WHOLE_WALL = Metric::time_ms(
+        "shadow_whole_wall_ms",
+        "Wall clock of the same.",
+    )
+    .covering(Scope::FRAME.and(Scope::PLAN));
+    SHADOW_PLANNED_CPU_MS = Metric::time_ms(
+        "shadow_planned_cpu_ms",
+        "Process CPU time of what the CPU does of it first.",
+    )
+    .covering(Scope::PLAN);
     FRAME_WALL = Metric::time_ms(
         "shadow_frame_wall_ms",
         "Wall clock of a frame of all channels: surface, volumes and cover of each, one after the other, each waited for. Volumes are there already. 1,000 over it is frames a second.",
@@ -242,10 +260,6 @@ terrafill_results::metrics! {
     SHADOW_RIM_PX = Metric::error_px(
         "shadow_rim_px",
         "Wrong pixels of a device outside the band, yet within its rounding, 1/32 of a pixel: at a caster's rim, in a triangle that is thinner, or where the boundary of one part's shadow runs within others.",
-    );
-    SHADOW_TIMED_WRONG_PX = Metric::error_px(
-        "shadow_timed_wrong_px",
-        "Pixels wrong outside the band and beyond rounding in the picture that is timed, where its size is not that of the channels.",
     );
     SHADOW_BAND_PX = Metric::error_px(
         "shadow_band_px",

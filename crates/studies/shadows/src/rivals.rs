@@ -14,7 +14,7 @@ mod on_wgpu;
 use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
 use crate::casting::{Casting, Receivers};
-use crate::drawing::{DeviceDrawn, Kept};
+use crate::drawing::DeviceDrawn;
 use crate::work::Scene;
 use terrafill_contract::Devices;
 use terrafill_core::nearest_f32;
@@ -52,7 +52,7 @@ impl Scene {
         rival: Rival,
         margin_px: f64,
     ) -> Result<DeviceDrawn, Failure> {
-        self.draw_channels(None, Kept::Darkest, |view, _| {
+        self.draw_channels(|view, _| {
             let casting = self.casting(view, rival, margin_px);
             seen_by(Positions::Eye, view, self.mesh(), |seen| {
                 Ok(match rival {

@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn a_shadow_keeps_its_share_of_light_and_a_picture_shows_its_mask() {
         let scene = Scene::of_place(Place::Aerial, [10.0, -60.0], [64, 48]).expect("a port");
-        let (view, truth) = &scene.channels[0];
+        let (view, truth) = (&scene.views[0], &scene.truths()[0]);
         let painter = Painter::new(&scene);
         let ray = view.ray(32, 24);
         let seen = truth.seen.iter().copied();

@@ -25,7 +25,9 @@ impl Scene {
     /// [`Failure::Unable`] for a mesh in which an edge has not two triangles, one either way.
     pub(crate) fn found_by(&self, way: DeviceWay) -> Result<Option<VolumeSource>, Failure> {
         Ok(Some(match way.silhouettes {
-            Silhouettes::Adjacency | Silhouettes::EachTriangle => return Ok(None),
+            Silhouettes::Adjacency | Silhouettes::EachFrame | Silhouettes::EachTriangle => {
+                return Ok(None);
+            }
             Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
             Silhouettes::Corners => VolumeSource::Pulled(self.pieces(true)?),
             Silhouettes::Computed => VolumeSource::Computed(Computed {
@@ -249,7 +251,7 @@ mod tests {
     fn corners_disagree_where_faces_are_edge_on_and_nowhere_else() {
         let count = |is_edge_on| {
             let scene = Scene::of_boxes([30.0, -60.0], is_edge_on, [8, 6]).expect("boxes");
-            scene.undecided_facings(&scene.channels[0].0)
+            scene.undecided_facings(&scene.views[0])
         };
         let (edge_on, random) = (count(true), count(false));
         assert!(edge_on > 5 && random == 0, "{edge_on} {random}");

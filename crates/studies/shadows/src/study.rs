@@ -11,13 +11,17 @@ use self::meshes::Ready;
 use crate::STUDY;
 use crate::brought::{Brought, SETTING};
 use crate::device_map::DeviceMap;
+use crate::drawing::{DeviceDrawn, mask_hash_of, times_of};
 use crate::eyes::EyeTable;
 use crate::job::Job;
-use crate::lamps::{LampScene, MOON};
+use crate::lamps::{LampDrawn, LampScene, MOON};
 use crate::list::questions;
 use crate::maps::Map;
-use crate::metrics::{METRICS, QUESTION, SHADOW_MAP_CPU_MS, TIME};
-use crate::views::Place;
+use crate::metrics::{
+    METRICS, QUESTION, SHADOW_MAP_CPU_MS, SHADOW_PLANNED_CPU_MS, SIZE_PX, TIME, WHOLE_CPU,
+    WHOLE_WALL,
+};
+use crate::views::Eyes;
 use crate::work::{End, Scene, closed, port_m};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -26,18 +30,20 @@ use terrafill_contract::{CpuStopwatch, FrameTimes};
 use terrafill_results::{PlannedCase, Verdict};
 use terrafill_shadow_views::{Draws, bridge};
 use terrafill_study::{
-    CaseGroup, Context, Depth, Failure, Figures, Group, Planned, Request, Session, Study,
+    CaseGroup, Context, Depth, Failure, Figures, Group, JudgedOnce, Planned, Request, Shows, Study,
     StudyError, size_name, verified,
 };
 
-/// Pixels of each channel in which a case is checked: rays take long. What is timed has the request's size.
+/// Pixels of each channel in which the CPU answers: rays take long. A quick run has them of everything.
 const QUICK_SIZE: [u32; 2] = [128, 96];
 const SIZE: [u32; 2] = [200, 150];
-/// The same of each of seven channels of a frame, unless a size is named: the paper names none.
+/// The same of what a device draws, unless a size is named: the paper names none.
 const FRAME_SIZE: [u32; 2] = [512, 384];
 /// Setting by which whoever renders keeps pictures.
 const PICTURES: &str = "pictures";
 
+/// Hash of what the CPU says: every process the same.
+const COMPUTED: &str = "computed";
 /// Scenes kept: casters whole and cut, of one sun.
 const SCENES: usize = 3;
 /// Share of pixels on which a device's map and the CPU's may differ, %: texels' borders and heights are
@@ -64,7 +70,6 @@ impl Study for ShadowsStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
-        let timed_size = request.size_or(QUICK_SIZE);
         let frame_size = match (is_quick, request.names_size) {
             (_, true) => request.size,
             (true, false) => QUICK_SIZE,
@@ -75,9 +80,9 @@ impl Study for ShadowsStudy {
         let groups = questions(request.depth, request.samples, brought.as_deref()).into_iter();
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
             let sized = |(job, mut case): (Job, PlannedCase)| {
-                let sizes = job.sizes(size, timed_size, frame_size).into_iter();
-                let sizes = sizes.map(|(key, size)| (key.into(), size_name(size)));
-                case.id.conditions.extend(sizes);
+                let own = job.size(size, frame_size).into_iter();
+                let own = own.map(|size| (SIZE_PX.into(), size_name(size)));
+                case.id.conditions.extend(own);
                 (job, case)
             };
             let (jobs, cases) = cases.into_iter().map(sized).unzip();
@@ -89,13 +94,12 @@ impl Study for ShadowsStudy {
                     name,
                     jobs,
                     size,
-                    timed_size,
                     frame_size,
                     loses_nothing,
                     brought: brought.clone(),
                 },
                 open: |group, context| {
-                    Ok(Box::new(Answering {
+                    Ok(Box::new(JudgedOnce::new(Answering {
                         question: &group.work,
                         cases: &group.cases,
                         context,
@@ -103,11 +107,10 @@ impl Study for ShadowsStudy {
                         eyes: None,
                         meshes: Vec::new(),
                         opened: BTreeMap::new(),
-                        frames: BTreeMap::new(),
                         edges: None,
                         map: None,
                         lamp: None,
-                    }))
+                    })))
                 },
             })
         });
@@ -141,11 +144,9 @@ fn brought(request: &Request) -> Result<Option<Brought>, StudyError> {
 struct Question {
     name: &'static str,
     jobs: Vec<Job>,
-    /// Of what is checked, pixels.
+    /// Of each channel in which the CPU answers, pixels.
     size: [u32; 2],
-    /// Of what is timed, pixels.
-    timed_size: [u32; 2],
-    /// Of each channel of a frame, pixels.
+    /// Of each channel that a device draws, pixels.
     frame_size: [u32; 2],
     /// Whether pictures for people are kept without loss.
     loses_nothing: bool,
@@ -161,14 +162,12 @@ struct Answering<'a> {
     scenes: Vec<(String, Scene)>,
     eyes: Option<EyeTable>,
     meshes: Vec<Ready>,
-    /// By case: what a device drew.
-    opened: BTreeMap<usize, Box<dyn Draws>>,
-    /// The same of frames: each of their channels.
-    frames: BTreeMap<usize, Vec<Box<dyn Draws>>>,
+    /// By case: what a device drew, channel by channel.
+    opened: BTreeMap<usize, Vec<Box<dyn Draws>>>,
     /// Of a scene by name, for silhouettes that are found each frame.
     edges: Option<(String, EdgeTable)>,
-    /// The last one, of a sun, a size of texels and whether it is timed: it may fill half of a device.
-    map: Option<([f64; 2], f64, bool, DeviceMap)>,
+    /// The last one, of a sun and a size of texels: it may fill half of a device.
+    map: Option<([f64; 2], f64, DeviceMap)>,
     /// The last one, by lamp, eye and size.
     lamp: Option<(String, LampScene)>,
 }
@@ -191,31 +190,48 @@ impl Answering<'_> {
         last.ok_or_else(|| name.to_owned())
     }
 
-    /// What stands over the sea under a sun, cut below it.
-    fn under(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
-        self.of_end(sun, End::Sea)
+    /// What stands over the sea, seen from there.
+    ///
+    /// - `feet_m`: as of [`End::feet_m`]
+    fn seen_from(
+        &mut self,
+        eyes: Eyes,
+        sun: [f64; 2],
+        feet_m: Option<f64>,
+        size: [u32; 2],
+    ) -> Result<&Scene, String> {
+        let brought = &self.question.brought;
+        self.scene(
+            &format!("{} {sun:?} {feet_m:?} {size:?}", eyes.name()),
+            || {
+                let views = match (eyes, brought) {
+                    (Eyes::At(place), _) => vec![place.view(size)],
+                    (Eyes::Bridge, None) => bridge(size),
+                    (Eyes::Bridge, Some(own)) => own.views(size),
+                };
+                let Some(own) = brought else {
+                    return Scene::standing(&closed(port_m()?)?, sun, views, feet_m);
+                };
+                let of = |feet_m| Scene::standing(&own.prepared, sun, views.clone(), feet_m);
+                // A user's model that has no simple cut stands as it is: it casts the same.
+                of(feet_m).or_else(|_| of(None))
+            },
+        )
     }
 
-    /// The port from a place, as volumes of that end have it.
-    fn of_place(&mut self, place: Place, sun: [f64; 2], end: End) -> Result<&Scene, String> {
-        let (size, feet_m) = (self.question.size, end.feet_m());
-        self.scene(&format!("{} {sun:?} {feet_m:?}", place.name()), || {
-            Scene::standing(&closed(port_m()?)?, sun, vec![place.view(size)], feet_m)
-        })
-    }
-
-    /// The same as volumes of that end have it.
+    /// As volumes of that end have it, where the CPU answers.
     fn of_end(&mut self, sun: [f64; 2], end: End) -> Result<&Scene, String> {
-        let Question { size, brought, .. } = self.question;
-        let feet_m = end.feet_m();
-        self.scene(&format!("{sun:?} {feet_m:?}"), || {
-            let Some(own) = brought else {
-                return Scene::standing(&closed(port_m()?)?, sun, bridge(*size), feet_m);
-            };
-            let of = |feet_m| Scene::standing(&own.prepared, sun, own.views(*size), feet_m);
-            // A user's model that has no simple cut stands as it is: it casts the same.
-            of(feet_m).or_else(|_| of(None))
-        })
+        self.seen_from(Eyes::Bridge, sun, end.feet_m(), self.question.size)
+    }
+
+    /// Cut below the sea, as a device draws it.
+    fn frame(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
+        self.seen_from(
+            Eyes::Bridge,
+            sun,
+            End::Sea.feet_m(),
+            self.question.frame_size,
+        )
     }
 }
 
@@ -241,18 +257,53 @@ fn watched<T>(
     }
 }
 
-impl Session for Answering<'_> {
-    fn verify(&mut self, case: usize) -> Result<Verdict, Failure> {
-        match self.question.jobs[case] {
-            Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
-            Job::Harbour(sun, eyes, interface) => self.harbour(case, sun, eyes, interface),
-            Job::Lamp(name, rule, limit) => self.lamp_counted(name, rule, limit),
-            job @ Job::DeviceLamp(..) => self.lamp_drawn(case, job),
-            Job::Moon(rule) => self.answer(Job::Updates(MOON, End::Sea, rule)),
-            Job::DeviceMoon(eyes, interface, rule) => self.moonlit(eyes, interface, rule),
-            job @ (Job::Origin(..) | Job::Facing(..)) => self.device(case, job),
-            job if job.is_of_device() => self.device(case, job),
-            job => self.answer(job),
+/// What a case shows, before anybody judges it.
+enum Shown {
+    /// By the CPU, which says the same in every process: all of it is judging.
+    Computed,
+    /// By a device, over all channels.
+    Device(DeviceDrawn),
+    /// By a device, in one channel under a lamp.
+    Lamp(Box<LampDrawn>),
+    /// A shadow map of a device.
+    Map,
+}
+
+impl Shows for Answering<'_> {
+    type Shown = Shown;
+
+    fn show(&mut self, case: usize) -> Result<(String, Shown), Failure> {
+        let job = self.question.jobs[case];
+        Ok(match job {
+            Job::DeviceMap(sun, texel_m, bias) => (self.show_map(sun, texel_m, bias)?, Shown::Map),
+            Job::DeviceLamp(..) => {
+                let drawn = self.show_lamp(case, job)?;
+                (mask_hash_of(&drawn.mask), Shown::Lamp(Box::new(drawn)))
+            }
+            Job::Harbour(..) | Job::DeviceMoon(..) => {
+                let drawn = self.show_frame(case, job)?;
+                (drawn.hash(), Shown::Device(drawn))
+            }
+            job if job.is_drawn() => {
+                let drawn = self.show_device(case, job)?;
+                (drawn.hash(), Shown::Device(drawn))
+            }
+            _ => (COMPUTED.to_owned(), Shown::Computed),
+        })
+    }
+
+    fn judge(&mut self, case: usize, shown: Shown) -> Result<Verdict, Failure> {
+        let job = self.question.jobs[case];
+        match (job, &shown) {
+            (Job::DeviceMap(sun, texel_m, bias), _) => self.judge_map(sun, texel_m, bias),
+            (_, Shown::Lamp(drawn)) => self.judge_lamp(case, job, drawn),
+            (Job::Harbour(..) | Job::DeviceMoon(..), Shown::Device(drawn)) => {
+                self.judge_frame(case, job, drawn)
+            }
+            (_, Shown::Device(drawn)) => self.judge_device(case, job, drawn),
+            (Job::Lamp(name, rule, limit), _) => self.lamp_counted(name, rule, limit),
+            (Job::Moon(rule), _) => self.answer(Job::Updates(MOON, End::Sea, rule)),
+            (job, Shown::Computed | Shown::Map) => self.answer(job),
         }
     }
 
@@ -263,34 +314,32 @@ impl Session for Answering<'_> {
                 watched(TIME.name, || Ok(mesh.sides(method)))
             }
             Job::DeviceMap(sun, texel_m, _) => {
-                let size = self.question.timed_size;
-                let scene = self.under(sun)?;
-                let darkest = match scene.timed_at(size) {
-                    Some(_) => 0,
-                    None => scene.darkest_channel()?,
-                };
-                let times = self.map(sun, texel_m, true)?.time(darkest)?;
+                let times = self.map(sun, texel_m)?.time()?;
                 let mut values = filled(&times);
                 values.extend(times.stencil_gpu_ms.map(|ms| ("shadow_map_gpu_ms", ms)));
                 Ok(values)
             }
             // The bias costs nothing: one comparison takes it in.
             Job::Map(sun, texel_m, _) => {
-                let scene = self.under(sun)?;
+                let scene = self.of_end(sun, End::Sea)?;
                 let mut kept = None;
                 watched(SHADOW_MAP_CPU_MS.name, || {
                     let map = Map::of(scene.mesh(), scene.to_light, texel_m)?;
                     Ok(scene.asked(kept.insert(map)))
                 })
             }
-            Job::Harbour(..) => self.frame_times(case),
+            Job::Harbour(..) | Job::DeviceMoon(..) => self.frame_times(case),
             job => {
-                let found_ms = match job {
-                    Job::StencilStep(sun, step) => self.volumes_ms(sun, step)?,
-                    _ => None,
-                };
-                let times = verified(&mut self.opened, case)?.time()?;
+                let found_ms = self.volumes_ms(job)?;
+                let planned = self.planned(case, job)?;
+                let times = times_of(verified(&mut self.opened, case)?)?;
                 let mut values = filled(&times);
+                if matches!(job, Job::Device(..)) {
+                    let [cpu_ms, wall_ms] = planned.unwrap_or_default();
+                    values.push((WHOLE_CPU.name, cpu_ms + times.fill_cpu_ms));
+                    values.push((WHOLE_WALL.name, wall_ms + times.fill_wall_ms));
+                }
+                values.extend(planned.map(|[cpu_ms, _]| (SHADOW_PLANNED_CPU_MS.name, cpu_ms)));
                 values.extend(found_ms.map(|ms| ("shadow_volumes_cpu_ms", ms)));
                 Ok(values)
             }

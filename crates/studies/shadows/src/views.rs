@@ -100,12 +100,13 @@ impl Scene {
     pub(crate) fn drawn_chosen(&self, chooser: Chooser) -> Result<ChannelTotals, String> {
         let volume = self.volume(End::Sea)?;
         let reference = Reference::new(self.mesh(), self.to_light);
+        let boxes = Boxes::of(self.mesh());
         Ok(self.draw_by(&volume, |view, _| {
             let pass = match chooser {
                 Chooser::All(rule) => self.whole(view, rule),
                 Chooser::Test(test) => {
                     let whole = view.whole();
-                    let fails = self.fails(test, view, &reference).into_iter();
+                    let fails = self.fails(test, view, &boxes, &reference).into_iter();
                     let rule = |is_fail| if is_fail { Rule::Fail } else { Rule::Pass };
                     Pass {
                         parts: fails.map(|is_fail| Some((rule(is_fail), whole))).collect(),
@@ -122,11 +123,11 @@ impl Scene {
         &self,
         test: EyeTest,
         view: &DeckCamera,
+        boxes: &Boxes,
         reference: &Reference<'_>,
     ) -> Vec<bool> {
         let (mesh, facing) = (self.mesh(), &self.facing);
-        let boxes = Boxes::of(mesh);
-        chosen(test, view, self.to_light, mesh, facing, &boxes, reference)
+        chosen(test, view, self.to_light, mesh, facing, boxes, reference)
     }
 }
 
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn the_view_from_a_height_looks_down_on_casters_sea_and_their_shadows() {
         let scene = Scene::of_place(Place::Aerial, [10.0, -60.0], [64, 48]).expect("a port");
-        let (view, truth) = &scene.channels[0];
+        let (view, truth) = (&scene.views[0], &scene.truths()[0]);
         assert!((view.forward.z + AERIAL_DEG.to_radians().sin()).abs() < 1e-12);
         assert!(view.right.cross(view.forward).distance(view.up) < 1e-12);
         assert_eq!(truth.count(Light::Sky), 0, "no horizon");
@@ -160,7 +161,7 @@ mod tests {
         let at = [10.0, -60.0];
         let scene = Scene::of_place(Place::QuayEdge, at, [64, 48]).expect("a port");
         let reference = Reference::new(scene.mesh(), scene.to_light);
-        let (view, _) = &scene.channels[0];
+        let view = &scene.views[0];
         let share = shadowed_share(view, &reference);
         assert!((0.05..0.6).contains(&share), "{share}");
         assert!(!reference.is_shadowed(view.eye, None));

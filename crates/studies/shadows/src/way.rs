@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a device draws volumes: where silhouettes are found, what places count from, which rule counts.
 
+use crate::counted::Counted;
 use crate::work::End;
 use terrafill_shadow_views::{Adjacency, EyeTest, Interface, Positions, Rule};
 use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
@@ -10,6 +11,8 @@ use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
 pub(crate) enum Silhouettes {
     /// By the CPU from stored adjacency: volumes are handed over.
     Adjacency,
+    /// The same anew in each frame, as where light or casters move.
+    EachFrame,
     /// By nobody: each lit triangle is a volume.
     EachTriangle,
     /// By the vertex shader: meshes, edges and facing bits are handed over.
@@ -26,6 +29,7 @@ impl Silhouettes {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Adjacency => "adjacency",
+            Self::EachFrame => "adjacency, each frame",
             Self::EachTriangle => "none, by triangle",
             Self::Pulled => "pulled",
             Self::Corners => "pulled, f32 by corners",
@@ -57,13 +61,15 @@ pub(crate) struct DeviceWay {
 }
 
 terrafill_results::named! {
-    /// What is made of the rectangle round a caster's shadow.
+    /// What is made of the rectangle round a caster's shadow, or round all casters.
     pub(crate) enum Cut {
         Off = "off",
         /// A caster is left out where its rectangle is empty.
         Culled = "casters left out",
         /// The same, and the others are cut to theirs.
         Rectangle = "caster-rect",
+        /// Cut to the rectangle round all that stands above the sea.
+        SeaLevel = "sea-level",
     }
 }
 
@@ -87,10 +93,22 @@ pub(crate) enum Counting {
     Casters,
     /// All parts, z-fail for those that a test chooses and z-pass for the others.
     Chosen(EyeTest),
+    /// All parts alike: by z-fail where a test chooses it for any of them.
+    ByView(EyeTest),
     /// All casters by z-pass, the near plane's own count drawn beside them.
     ZpPlus,
     /// Each part for itself by [`DeviceWay::rule`], in passes of 255 or all at once.
     Parts { is_guarded: bool },
+}
+
+impl Counting {
+    /// What chooses the rule of a view or of its parts.
+    pub(crate) fn test(self) -> Option<EyeTest> {
+        match self {
+            Self::Chosen(test) | Self::ByView(test) => Some(test),
+            Self::Casters | Self::ZpPlus | Self::Parts { .. } => None,
+        }
+    }
 }
 
 impl DeviceWay {
@@ -113,8 +131,17 @@ impl DeviceWay {
     pub(crate) fn rule_name(self) -> String {
         match self.counting {
             Counting::Chosen(test) => format!("automatic, {}", test.name()),
+            Counting::ByView(test) => format!("automatic by view, {}", test.name()),
             Counting::ZpPlus => "zp-plus".to_owned(),
             Counting::Casters | Counting::Parts { .. } => self.rule.name().to_owned(),
+        }
+    }
+
+    /// Whose shadow counts: the paper's scissor considers what stands above the sea alone.
+    pub(crate) fn counted(self) -> Counted {
+        match self.cut {
+            Cut::SeaLevel => Counted::AboveSea,
+            Cut::Off | Cut::Culled | Cut::Rectangle => Counted::All,
         }
     }
 
@@ -132,12 +159,13 @@ impl DeviceWay {
             colour: ColourWay::OneColour,
             faces: self.faces,
             depth_rule: match (self.counting, self.rule) {
-                (Counting::Chosen(_), _) => DepthRuleChoice::Automatic,
+                (Counting::Chosen(_) | Counting::ByView(_), _) => DepthRuleChoice::Automatic,
                 (Counting::ZpPlus, _) | (_, Rule::Pass | Rule::Preload) => DepthRuleChoice::Pass,
                 _ => DepthRuleChoice::Fail,
             },
             copies_depth: self.bounds == Bounds::Discard,
-            scissor: self.cut == Cut::Rectangle || self.bounds == Bounds::Tiles,
+            scissor: matches!(self.cut, Cut::Rectangle | Cut::SeaLevel)
+                || self.bounds == Bounds::Tiles,
             ..Switches::default()
         }
     }

@@ -2,8 +2,10 @@
 //! What the cases compute.
 
 mod rounding;
+mod side_grid;
 mod staged;
 
+use self::side_grid::SideGrid;
 use glam::DVec3;
 use std::cell::OnceCell;
 use terrafill_casters::{
@@ -84,9 +86,11 @@ pub(crate) struct Scene {
     pub(crate) prepared: Prepared,
     pub(crate) facing: Facing,
     sides: Vec<Side>,
-    pub(crate) channels: Vec<(DeckCamera, Truth)>,
-    /// The channel with most shadow alone, in pictures of the size that is timed.
-    timed: OnceCell<Option<Box<Self>>>,
+    /// Of each channel.
+    pub(crate) views: Vec<DeckCamera>,
+    /// Of the same, found where somebody first asks: a process that only times never does.
+    truths: OnceCell<Vec<Truth>>,
+    side_grid: OnceCell<SideGrid>,
 }
 
 /// Figures of one way of drawing, summed over all channels.
@@ -154,24 +158,35 @@ impl Scene {
     pub(crate) fn lit_from(prepared: Prepared, to_light: DVec3, views: Vec<DeckCamera>) -> Self {
         let facing = Facing::of(&prepared.mesh, to_light);
         let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
-        let reference = Reference::new(&prepared.mesh, to_light);
-        let channels = views.into_iter().map(|view| {
-            let truth = reference.picture(&view);
-            (view, truth)
-        });
         Self {
             to_light,
-            channels: channels.collect(),
-            timed: OnceCell::new(),
+            views,
+            truths: OnceCell::new(),
+            side_grid: OnceCell::new(),
             facing,
             sides,
             prepared,
         }
     }
 
+    /// What the reference says of each channel.
+    pub(crate) fn truths(&self) -> &[Truth] {
+        self.truths.get_or_init(|| {
+            let reference = Reference::new(self.mesh(), self.to_light);
+            reference.pictures(&self.views)
+        })
+    }
+
+    /// Each channel with what the reference says of it.
+    pub(crate) fn channels(
+        &self,
+    ) -> impl DoubleEndedIterator<Item = (&DeckCamera, &Truth)> + ExactSizeIterator {
+        self.views.iter().zip(self.truths())
+    }
+
     pub(crate) fn pixels(&self) -> Pixels {
         let mut pixels = Pixels::default();
-        for (_, truth) in &self.channels {
+        for truth in self.truths() {
             pixels.all += truth.seen.len();
             pixels.receivers += truth.seen.len() - truth.count(Light::Sky);
             pixels.shadow += truth.count(Light::Shadow);
@@ -217,7 +232,7 @@ impl Scene {
             volume_triangles: volume.triangles.len(),
             ..ChannelTotals::default()
         };
-        for (view, truth) in &self.channels {
+        for (view, truth) in self.channels() {
             let mut counts = vec![0; view.pixel_count()];
             let mut mask = vec![false; view.pixel_count()];
             for pass in how(view, truth) {
@@ -320,27 +335,10 @@ impl Scene {
 
     /// The channel with the most shadow.
     pub(crate) fn darkest_channel(&self) -> Result<usize, String> {
-        let shadow = |at: &usize| self.channels[*at].1.count(Light::Shadow);
-        let darkest = (0..self.channels.len()).max_by_key(shadow);
+        let truths = self.truths();
+        let shadow = |at: &usize| truths[*at].count(Light::Shadow);
+        let darkest = (0..truths.len()).max_by_key(shadow);
         darkest.ok_or_else(|| "no channel".to_owned())
-    }
-
-    /// The channel with the most shadow alone, in a picture of that size; `None` where it has that size already.
-    ///
-    /// - `size`: the same whenever it is called
-    pub(crate) fn timed_at(&self, size: [u32; 2]) -> Option<&Self> {
-        let make = || {
-            let (view, _) = self.darkest().ok().filter(|(view, _)| view.size != size)?;
-            let views = vec![view.sized(size)];
-            let scene = Self::lit_from(self.prepared.clone(), self.to_light, views);
-            Some(Box::new(scene))
-        };
-        self.timed.get_or_init(make).as_deref()
-    }
-
-    /// The same, for a picture.
-    pub(crate) fn darkest(&self) -> Result<&(DeckCamera, Truth), String> {
-        self.darkest_channel().map(|at| &self.channels[at])
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes on Vulkan: from buffers, or from a geometry shader that finds the silhouette.
 
-use crate::source::{Adjacency, SHADER, VolumeSource};
+use crate::source::{Adjacency, EyeVolumes, HandedOver, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
@@ -39,6 +39,7 @@ enum VolumePart {
 
 /// Buffers and pipelines on Vulkan.
 pub(super) struct OnVulkan {
+    gpu: Arc<Gpu>,
     feed: Feed,
     /// The surface's depth is tested against each volume's range.
     has_bounds: bool,
@@ -52,16 +53,7 @@ impl OnVulkan {
         has_bounds: bool,
     ) -> Result<Self, DeviceError> {
         let feed = match source {
-            VolumeSource::Volumes(volumes) => {
-                let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
-                let vertices = bytemuck::cast_slice(&volumes.vertices);
-                let indices = bytemuck::cast_slice(&volumes.indices);
-                Feed::Buffers {
-                    vertices: upload("shadow vertices", vertices, BufferUse::Vertex)?,
-                    indices: upload("shadow indices", indices, BufferUse::Index)?,
-                    ranges: volumes.ranges,
-                }
-            }
+            VolumeSource::Volumes(volumes) => buffers(gpu, &volumes)?,
             // What it reads lies behind the volumes' constants.
             VolumeSource::Adjacent(own) => Feed::Adjacent(own.by, own.vertices),
             VolumeSource::Pulled(_) | VolumeSource::Computed(_) => {
@@ -70,6 +62,7 @@ impl OnVulkan {
             }
         };
         Ok(Self {
+            gpu: Arc::clone(gpu),
             feed,
             has_bounds,
             pipelines: HashMap::new(),
@@ -124,6 +117,24 @@ impl OnVulkan {
             }
         }
         described
+    }
+}
+
+fn buffers(gpu: &Arc<Gpu>, volumes: &EyeVolumes) -> Result<Feed, DeviceError> {
+    let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
+    let vertices = bytemuck::cast_slice(&volumes.vertices);
+    let indices = bytemuck::cast_slice(&volumes.indices);
+    Ok(Feed::Buffers {
+        vertices: upload("shadow vertices", vertices, BufferUse::Vertex)?,
+        indices: upload("shadow indices", indices, BufferUse::Index)?,
+        ranges: volumes.ranges.clone(),
+    })
+}
+
+impl HandedOver for OnVulkan {
+    fn hand_over(&mut self, volumes: &EyeVolumes) -> Result<(), DeviceError> {
+        self.feed = buffers(&self.gpu, volumes)?;
+        Ok(())
     }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes on wgpu: from buffers, from a vertex shader that finds the silhouette, or from a compute shader.
 
-use crate::source::{Computed, EyeMesh, SHADER, VolumeSource};
+use crate::source::{Computed, EyeMesh, EyeVolumes, HandedOver, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 use terrafill_contract::DeviceError;
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumePass, VolumeShader, WgpuVolumes};
 use terrafill_stencil::{VolumeDraw, VolumeList, VolumeState};
@@ -98,6 +99,7 @@ impl Finder {
 
 /// Buffers and pipelines on wgpu.
 pub(super) struct OnWgpu {
+    gpu: Arc<Gpu>,
     shader: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
     /// Vertices and indices, unless a shader pulls them.
@@ -122,6 +124,7 @@ impl OnWgpu {
         let gpu = fill.gpu();
         let frame = Some(fill.frame_layout());
         let mut own = Self {
+            gpu: Arc::clone(&gpu),
             shader: gpu.shader(SHADER)?,
             layout: gpu.pipeline_layout("shadows", &[frame]),
             buffers: None,
@@ -185,6 +188,22 @@ impl OnWgpu {
         self.shader = gpu.shader(shader)?;
         let corners = |pieces: Range<u32>| 3 * pieces.start..3 * pieces.end;
         self.ranges = mesh.ranges.into_iter().map(corners).collect();
+        Ok(())
+    }
+}
+
+impl HandedOver for OnWgpu {
+    fn hand_over(&mut self, volumes: &EyeVolumes) -> Result<(), DeviceError> {
+        let Some([vertices, indices]) = &self.buffers else {
+            return Err(DeviceError::unsupported(
+                "volumes of the CPU",
+                "a shader that finds them",
+            ));
+        };
+        self.gpu
+            .write_buffer(vertices, 0, bytemuck::cast_slice(&volumes.vertices));
+        self.gpu
+            .write_buffer(indices, 0, bytemuck::cast_slice(&volumes.indices));
         Ok(())
     }
 }

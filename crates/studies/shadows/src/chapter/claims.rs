@@ -19,6 +19,11 @@ pub(super) const CLAIMS: StudyClaims = StudyClaims {
             needs: Scope::DISPATCH.and(Scope::DRAW),
         },
         ClaimedTime {
+            name: "whole",
+            by: [WHOLE_WALL, WHOLE_CPU],
+            needs: Scope::PLAN.and(Scope::DISPATCH).and(Scope::DRAW),
+        },
+        ClaimedTime {
             name: "outlines",
             by: [OUTLINE_GPU_MS, OUTLINE_CPU_MS],
             needs: Scope::DRAW,

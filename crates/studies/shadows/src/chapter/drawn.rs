@@ -21,8 +21,12 @@ impl Own<'_> {
     }
 
     pub(super) fn near(&self) -> Option<Finding> {
-        let is_published =
-            |case: &Case| matches!(case.condition(RULE), "z-pass" | "automatic, eye");
+        let is_published = |case: &Case| {
+            matches!(
+                case.condition(RULE),
+                "z-pass" | "automatic, eye" | "automatic, eye-model"
+            )
+        };
         let [others, published] = self.wrong_by("near", is_published);
         let most = published.into_iter().reduce(f64::max)?;
         let total: f64 = others.iter().sum();

@@ -8,7 +8,7 @@ use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};
 
 /// Twins that must be wrong: name, question, and the condition that tells them.
-const TWINS: [(&str, &str, ConditionKey, &str); 12] = [
+const TWINS: [(&str, &str, ConditionKey, &str); 13] = [
     ("z-pass as printed", "updates", RULE, "z-pass as printed"),
     ("the horizon as a scissor", "scissors", SCISSOR, "horizon"),
     ("8 bits that wrap", "rows", COUNTING, "8 bits, wrapping"),
@@ -51,6 +51,7 @@ const TWINS: [(&str, &str, ConditionKey, &str); 12] = [
         "scissor of half of it",
     ),
     ("the eye's test there", "near", RULE, "automatic, eye"),
+    ("the same by model", "near", RULE, "automatic, eye-model"),
 ];
 
 /// Pixels, with every digit.
@@ -98,6 +99,7 @@ impl<'a> Own<'a> {
             self.maps(),
             self.map_curve(),
             self.volumes_or_maps(),
+            self.equal_error(),
             self.limits(),
             self.limited(),
         ];

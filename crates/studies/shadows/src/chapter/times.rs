@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is faster than what: ways of a device, steps of the ablation, rivals, shadow maps.
 
+use self::Timed::{Drawing, Whole};
 use super::Own;
 use super::findings::{joined, number};
 use super::plots::is_plain;
@@ -11,33 +12,91 @@ use std::collections::BTreeSet;
 use terrafill_lab::{Answer, Bound, Comparison, Follows, grouped, measured, overall, range};
 use terrafill_plot::number::figure;
 use terrafill_results::{
-    Case, Claim, Clock, ConditionKey, Finding, Outcome, Scope, Standing, typical,
+    Case, Claim, Clock, ConditionKey, Finding, Metric, Outcome, Scope, Standing, typical,
 };
 
 /// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
 type Two = (ConditionKey, &'static str, &'static str);
 
+/// What a comparison's time covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Timed {
+    /// What the device draws.
+    Drawing,
+    /// What the CPU does first in each frame as well.
+    Whole,
+}
+
 /// What Yang & Jin (2006) anticipated, and what takes its place today.
-const FASTER: [(&str, Two); 5] = [
+const FASTER: [(&str, Two, Timed); 10] = [
     (
         "z-pass is faster than z-fail on a device",
         (RULE, "z-pass", "z-fail"),
+        Drawing,
+    ),
+    (
+        "Where the eye's test chooses one rule for a view, shadows are faster than by z-fail",
+        (RULE, "automatic by view, eye", "z-fail"),
+        Whole,
+    ),
+    (
+        "Where an exact test chooses one rule for a view, shadows are faster than by z-fail",
+        (RULE, "automatic by view, near-exact", "z-fail"),
+        Whole,
+    ),
+    (
+        "Where the eye's test chooses the rule of each caster, shadows are faster than by z-fail",
+        (RULE, "automatic, eye-model", "z-fail"),
+        Whole,
+    ),
+    (
+        "Where an exact test chooses the rule of each caster, shadows are faster than by z-fail",
+        (RULE, "automatic, near-exact", "z-fail"),
+        Whole,
     ),
     (
         "Two-sided stencil is faster than two passes",
         (FACES, "two-sided", "two-pass"),
+        Drawing,
     ),
     (
-        "Frames are faster where a vertex shader finds silhouettes",
+        "A scissor above the sea level is faster than none",
+        (SCISSOR, "sea-level", "off"),
+        Drawing,
+    ),
+    (
+        "A vertex shader that finds silhouettes is faster than the CPU that does in each frame",
+        (SILHOUETTE, "pulled", "adjacency, each frame"),
+        Whole,
+    ),
+    (
+        "A compute shader that finds silhouettes is faster than the CPU that does in each frame",
+        (SILHOUETTE, "compute", "adjacency, each frame"),
+        Whole,
+    ),
+    (
+        "A geometry shader that finds silhouettes of triangles is faster than the CPU that does in each frame",
+        (SILHOUETTE, "gs-adjacency", "adjacency, each frame"),
+        Whole,
+    ),
+];
+
+/// The same where neither light nor casters move, so that the CPU's volumes are kept: nobody anticipated it.
+const FASTER_THAN_KEPT: [(&str, Two, Timed); 3] = [
+    (
+        "A vertex shader that finds silhouettes is faster than volumes that are kept.",
         (SILHOUETTE, "pulled", "adjacency"),
+        Whole,
     ),
     (
-        "Frames are faster where a compute shader finds silhouettes",
+        "A compute shader that finds silhouettes is faster than volumes that are kept.",
         (SILHOUETTE, "compute", "adjacency"),
+        Whole,
     ),
     (
-        "Frames are faster where a geometry shader finds silhouettes of triangles",
+        "A geometry shader that finds silhouettes of triangles is faster than volumes that are kept.",
         (SILHOUETTE, "gs-adjacency", "adjacency"),
+        Whole,
     ),
 ];
 
@@ -61,6 +120,10 @@ const BOUNDS: [&str; 6] = [
 type Beside = (&'static [Follows<'static>], Option<&'static str>);
 
 const NOTHING: Beside = (&[], None);
+const OF_SCISSORS: [Follows<'static>; 1] = [Follows {
+    key: COUNTED.name(),
+    because: "above the sea the scissor is exact, and below it the paper considers no shadow",
+}];
 const OF_STEPS: [Follows<'static>; 1] = [Follows {
     key: PAPER.name(),
     because: "it is what the paper says of the step",
@@ -108,20 +171,30 @@ fn finding(claim: String, answers: &[Answer], because: String) -> Finding {
 }
 
 impl<'a> Own<'a> {
-    /// Whether the second of each pair takes less time.
-    fn judge(
+    /// Whether the second of each pair takes less time to draw.
+    fn judge(&self, changed: ConditionKey, beside: Beside, pairs: &[[&Case; 2]]) -> Vec<Answer> {
+        self.judge_by(Drawing, changed, beside, pairs)
+    }
+
+    /// The same by a time that covers what is compared.
+    fn judge_by(
         &self,
+        timed: Timed,
         changed: ConditionKey,
         (follows, one_sided): Beside,
         pairs: &[[&Case; 2]],
     ) -> Vec<Answer> {
-        let metric = self.0.clock().pick(FILL_GPU, FILL_CPU);
+        let metric = self.time_of(timed);
+        let drawing = Scope::DISPATCH.and(Scope::DRAW);
         let comparison = Comparison {
             changed: changed.name(),
             follows,
             one_sided,
             metric,
-            needs: Scope::DISPATCH.and(Scope::DRAW),
+            needs: match timed {
+                Drawing => drawing,
+                Whole => drawing.and(Scope::PLAN),
+            },
         };
         let (run, noise) = (self.0.run(), self.0.noise(metric));
         let judge = |pair: &[&Case; 2]| {
@@ -131,11 +204,20 @@ impl<'a> Own<'a> {
         pairs.iter().map(judge).collect()
     }
 
-    /// Cases of devices that are right and differ in one condition: first those of the way said to be slower.
+    /// No clock of a GPU covers what the CPU does, so that there it is the wall clock.
+    fn time_of(&self, timed: Timed) -> &'static Metric {
+        match timed {
+            Drawing => self.0.clock().pick(FILL_GPU, FILL_CPU),
+            Whole => self.0.clock().pick(WHOLE_WALL, WHOLE_CPU),
+        }
+    }
+
+    /// Cases of devices that are right, timed, and differ in one condition: first those of the way said to be slower.
     fn pairs(&self, (key, fast, slow): Two) -> Vec<[&'a Case; 2]> {
+        let drawing = self.time_of(Drawing);
         let of = |way: &'static str| {
             let all = self.of_question("devices").filter(is_ok);
-            all.filter(move |case| case.condition(key) == way)
+            all.filter(move |case| typical(case, drawing).is_some() && case.condition(key) == way)
         };
         let pair = |case| {
             let mut others = of(slow);
@@ -147,17 +229,27 @@ impl<'a> Own<'a> {
 
     /// What is said to be faster, in order.
     pub(super) fn times(&self) -> Vec<Option<Finding>> {
-        let faster = FASTER.map(|(claim, two)| self.faster(claim, two));
+        let anticipated = |(claim, two, timed): (&str, Two, Timed)| {
+            self.faster(
+                &format!("{claim} (Yang & Jin, 2006, anticipated)."),
+                two,
+                timed,
+            )
+        };
+        let faster = FASTER.map(anticipated);
+        let kept = FASTER_THAN_KEPT.map(|(claim, two, timed)| self.faster(claim, two, timed));
         let others = [self.bounded(), self.ablation(), self.rivals()];
         let frames = FRAMES.map(|frames| self.frames(frames));
-        let all = frames.into_iter().chain(faster);
+        let fitting = FRAMES.map(|(_, budget_ms)| self.fitting(budget_ms));
+        let all = frames.into_iter().chain(fitting).chain(faster).chain(kept);
         all.chain(others).collect()
     }
 
     /// Whether every frame of all channels is within a budget, by wall clock: that is what somebody waits for.
     fn frames(&self, (claim, budget_ms): (&str, f64)) -> Option<Finding> {
         let all = self.of_question("harbour").filter(is_ok);
-        let of_bridge = all.filter(|case| case.condition(VIEW) == "bridge");
+        let of_bridge =
+            all.filter(|case| case.condition(VIEW) == "bridge" && case.condition(MESH).is_empty());
         let mut standings = Vec::new();
         let text = of_bridge.filter_map(|case| {
             let frame = typical(case, FRAME_WALL)?;
@@ -173,22 +265,62 @@ impl<'a> Own<'a> {
         })
     }
 
+    /// The largest of a run's sizes at which seven channels are drawn within a budget.
+    fn fitting(&self, budget_ms: f64) -> Option<Finding> {
+        let own = self.of_question("fits").filter(is_ok);
+        let timed = own.filter_map(|case| {
+            let frame = typical(case, FRAME_WALL)?;
+            let standing = Bound::AtMost(budget_ms).standing(frame.interval);
+            Some((case, figure(&frame), standing))
+        });
+        let timed: Vec<_> = timed.collect();
+        let of_port = timed
+            .iter()
+            .filter(|(case, ..)| case.condition(MESH).is_empty());
+        let standings: Vec<Standing> = of_port.map(|(.., standing)| *standing).collect();
+        let told = |(case, ms, standing): &(&Case, String, Standing)| {
+            let [api, size] = [API, SIZE_PX].map(|key| case.condition(key));
+            let casters = match case.condition(MESH) {
+                "" => "",
+                _ => ", ten times the casters",
+            };
+            format!("{size} by {api}{casters}: {ms} ms, {}", standing.name())
+        };
+        let told: Vec<String> = timed.iter().map(told).collect();
+        // One size that fits is enough.
+        let standing = if standings.contains(&Standing::Holds) {
+            Standing::Holds
+        } else {
+            overall(&standings)
+        };
+        (!timed.is_empty()).then(|| Finding {
+            claim: format!(
+                "Some size of seven channels fits {budget_ms} ms a frame on this device."
+            ),
+            standing,
+            because: format!("Wall clock, sun 10° from -60°: {}", told.join("; ")),
+        })
+    }
+
     /// Whether one way takes less time than another, under each sun and by each interface.
-    fn faster(&self, claim: &str, two: Two) -> Option<Finding> {
-        let answers = self.judge(two.0, NOTHING, &self.pairs(two));
+    fn faster(&self, claim: &str, two: Two, timed: Timed) -> Option<Finding> {
+        let beside: Beside = match two.0 {
+            SCISSOR => (&OF_SCISSORS, None),
+            _ => NOTHING,
+        };
+        let answers = self.judge_by(timed, two.0, beside, &self.pairs(two));
         let count = |wanted| count(&answers, wanted);
         let because = format!(
             "{} times as fast by {}. Of {} pairs {} are faster, {} not, {} alike, {} undecided",
             gains(&answers)?,
-            self.0.clock().name(),
+            self.time_of(timed).name,
             answers.len(),
             count(Standing::Holds),
             count(Standing::DoesNotHold),
             count(Standing::NoDifference),
             count(Standing::CannotTell),
         );
-        let claim = format!("{claim} (Yang & Jin, 2006, anticipated).");
-        Some(finding(claim, &answers, because))
+        Some(finding(claim.to_owned(), &answers, because))
     }
 
     /// Whether each limit of a lamp's reach takes less time than none.
@@ -300,11 +432,14 @@ impl<'a> Own<'a> {
         let all: Vec<&Case> = self.of_question("rivals").filter(known).collect();
         let wrong: Option<Vec<f64>> = all.iter().map(|case| Self::wrong_px(case)).collect();
         let wrong: f64 = wrong?.iter().sum();
+        let drawing = self.time_of(Drawing);
         let names: BTreeSet<&str> = all.iter().map(|case| case.condition(RIVAL)).collect();
         let mut texts = Vec::new();
         let mut answers = Vec::new();
         for name in names {
-            let own = all.iter().filter(|case| case.condition(RIVAL) == name);
+            let own = all.iter();
+            let own = own
+                .filter(|case| typical(case, drawing).is_some() && case.condition(RIVAL) == name);
             let pair = |case: &&'a Case| {
                 let volumes = self.plain(
                     [SUN, VIEW].map(|key| case.condition(key)),
@@ -335,20 +470,60 @@ impl<'a> Own<'a> {
         (!all.is_empty()).then(found)
     }
 
-    /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
-    pub(super) fn volumes_or_maps(&self) -> Option<Finding> {
-        let metric = self.0.clock().pick(FILL_GPU, FILL_CPU);
-        // Of what was timed.
+    /// Maps of a device that are timed, each with the volumes of its sun, and the wrong pixels of both, the band included.
+    fn maps_with_volumes(&self) -> Vec<([f64; 2], [&'a Case; 2])> {
+        let metric = self.time_of(Drawing);
         let all_wrong = |case: &Case| {
             measured(case, metric)?;
             Some(Self::wrong_px(case)? + measured(case, SHADOW_BAND_PX)?)
         };
         let pair = |case: &'a Case| {
             let volumes = self.plain([case.condition(SUN), ""], "wgpu")?;
-            Some((all_wrong(case)? < all_wrong(volumes)?, [volumes, case]))
+            Some(([all_wrong(case)?, all_wrong(volumes)?], [volumes, case]))
         };
-        let pairs: Vec<_> = self.of_question("device-maps").filter_map(pair).collect();
-        let fewer = pairs.iter().filter(|(has_fewer, _)| *has_fewer);
+        self.of_question("device-maps").filter_map(pair).collect()
+    }
+
+    /// Whether any map is as exact as volumes are, and what the most exact one of each sun takes.
+    pub(super) fn equal_error(&self) -> Option<Finding> {
+        let pairs = self.maps_with_volumes();
+        let by_sun = grouped(pairs, |(_, [_, map])| map.condition(SUN));
+        let mut is_reached = false;
+        let texts = by_sun.iter().filter_map(|(sun, own)| {
+            let ([of_map, of_volumes], [volumes, map]) =
+                own.iter().min_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]))?;
+            is_reached |= of_map <= of_volumes;
+            let answers = self.judge(
+                QUESTION,
+                (&OF_RIVALS, Some(OF_VOLUMES)),
+                &[[*map, *volumes]],
+            );
+            Some(format!(
+                "sun {sun}: {} wrong pixels at {} m in {} × the time of volumes, which have {}",
+                number(*of_map),
+                map.condition(TEXEL_M),
+                gains(&answers)?,
+                number(*of_volumes)
+            ))
+        });
+        let texts = joined(texts, "; ")?;
+        let claim = "No shadow map is as exact as volumes, so that at equal error there is no other time to compare.";
+        Some(Finding {
+            claim: claim.to_owned(),
+            standing: Standing::holds_if(!is_reached),
+            because: format!(
+                "The most exact map, the band included, by {}, {texts}",
+                self.0.clock().name()
+            ),
+        })
+    }
+
+    /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
+    pub(super) fn volumes_or_maps(&self) -> Option<Finding> {
+        let pairs = self.maps_with_volumes();
+        let fewer = pairs
+            .iter()
+            .filter(|([of_map, of_volumes], _)| of_map < of_volumes);
         let fewer: Vec<[&Case; 2]> = fewer.map(|(_, pair)| *pair).collect();
         let answers = self.judge(QUESTION, (&OF_RIVALS, Some(OF_VOLUMES)), &fewer);
         let names = |wanted: &[Standing]| {

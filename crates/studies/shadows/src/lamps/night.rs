@@ -31,7 +31,7 @@ const WARM: DVec3 = DVec3::new(1.0, 0.93, 0.8);
 /// - `mask`: which pixels are in shadow
 pub(crate) fn picture(scene: &LampScene, mask: &[bool]) -> Vec<[u8; 3]> {
     let day = Scene::lit_from(scene.prepared.clone(), sun([60.0, -60.0]), Vec::new());
-    let (view, truth) = (&scene.view, &scene.truth);
+    let (view, truth) = (&scene.view, scene.truth());
     painted(&Painter::new(&day), view, truth, |at, ray, seen| {
         let lit = match seen.depth() {
             Some(depth) if !mask[at] => light(scene, view.eye + ray * depth, seen),
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn the_moon_lights_what_its_mask_leaves_lit_and_no_sky() {
         let scene = Scene::of_place(Place::UnderCrane, MOON, [64, 48]).expect("a port");
-        let (view, truth) = &scene.channels[0];
+        let (view, truth) = (&scene.views[0], &scene.truths()[0]);
         let painter = Painter::new(&scene);
         let by = |is_dark| by_moon(&painter, view, truth, &vec![is_dark; truth.seen.len()]);
         let (lit, dark) = (by(false), by(true));

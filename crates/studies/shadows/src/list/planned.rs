@@ -4,8 +4,9 @@
 use crate::STUDY;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
-use crate::job::{Job, Method, sun_name};
+use crate::job::{Job, Method, PORT, sun_name};
 use crate::lamps::{LampEye, Limit, MOON_NAME};
+use crate::maps::Bias;
 use crate::metrics::*;
 use crate::views::{Chooser, Eyes};
 use crate::way::Counting;
@@ -13,11 +14,13 @@ use crate::work::Scissor;
 use terrafill_casters::Policy;
 use terrafill_results::{ConditionKey, PlannedCase};
 use terrafill_shadow_views::{EyeTest, Interface, Positions, Rule};
-use terrafill_study::planned_case;
+use terrafill_study::{planned_case, size_name};
 use terrafill_variant::FacePasses;
 
-/// Timed silhouettes, and frames of a device, a process.
+/// Timed silhouettes a process.
 const SAMPLES: u32 = 3;
+/// The same of frames of a device, each of which is seven pictures.
+const FRAME_SAMPLES: u32 = 1;
 
 type Condition = (ConditionKey, String);
 
@@ -68,7 +71,11 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
         Job::Model => ("model", Vec::new(), false),
         Job::Eye(sun, near, test) => {
             let conditions = vec![under(sun), is(NEAR_M, near), is(EYE_TEST, test.name())];
-            ("eyes", conditions, test == EyeTest::Eye)
+            (
+                "eyes",
+                conditions,
+                matches!(test, EyeTest::Eye | EyeTest::EyeModel),
+            )
         }
         Job::Updates(sun, end, rule) => {
             let conditions = vec![under(sun), is(EXTENT, end.name()), is(RULE, rule.name())];
@@ -112,9 +119,18 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
             let conditions = vec![under(sun), is(TEXEL_M, texel), is(BIAS, bias.name())];
             (question, conditions, true)
         }
-        Job::Harbour(sun, eyes, interface) => {
-            let conditions = vec![under(sun), is(VIEW, eyes.name()), by(interface)];
-            ("harbour", conditions, false)
+        Job::Harbour(frame) => {
+            let seen = [under(frame.sun), is(VIEW, frame.eyes.name())];
+            let casters = (frame.port != PORT).then(|| is(MESH, frame.port));
+            let size = frame.size.map(|size| is(SIZE_PX, size_name(size)));
+            let is_plain = size.is_none() && casters.is_none();
+            let question = if is_plain { "harbour" } else { "fits" };
+            let named = std::iter::once(by(frame.interface)).chain(casters);
+            (
+                question,
+                seen.into_iter().chain(named).chain(size).collect(),
+                false,
+            )
         }
         Job::Lamp(name, rule, limit) => {
             let limit_name = is(LIMIT, limit.name());
@@ -181,7 +197,8 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
         Job::Near(sun, way) => {
             let may_be_wrong = match way.counting {
                 Counting::Casters => way.rule == Rule::Pass,
-                counting => counting == Counting::Chosen(EyeTest::Eye),
+                Counting::Chosen(test) => matches!(test, EyeTest::Eye | EyeTest::EyeModel),
+                _ => false,
             };
             let conditions = vec![under(sun), by(way.interface), is(RULE, way.rule_name())];
             ("near", conditions, may_be_wrong)
@@ -211,6 +228,7 @@ fn described(job: Job) -> (&'static str, Vec<Condition>, bool) {
                 is(DEPTH_BOUNDS, way.bounds_name()),
                 is(SILHOUETTE, way.silhouettes.name()),
             ];
+            let named = named.into_iter().chain(where_counted(way.counted()));
             ("devices", seen_under(sun, eyes, named), false)
         }
     }
@@ -231,8 +249,13 @@ pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>)
         Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
         Job::Map(..) => samples.unwrap_or(1),
         // Where every limit is drawn.
-        Job::Harbour(..) | Job::DeviceLamp(_, LampEye::Bridge, ..) => samples.unwrap_or(SAMPLES),
-        job if job.is_of_device() => samples.unwrap_or(SAMPLES),
+        Job::DeviceLamp(_, LampEye::Bridge, ..) => samples.unwrap_or(FRAME_SAMPLES),
+        Job::Harbour(..) | Job::DeviceMoon(Eyes::Bridge, ..) => samples.unwrap_or(FRAME_SAMPLES),
+        // The paper asks for seven channels.
+        Job::Device(_, Eyes::At(_), _) | Job::Rival(_, Eyes::At(_), _) => 0,
+        // A bias is one comparison, and costs nothing.
+        Job::DeviceMap(_, _, bias) if bias != Bias::Constant => 0,
+        job if job.is_of_device() => samples.unwrap_or(FRAME_SAMPLES),
         _ => 0,
     };
     // Of a mesh that is not closed, any answer but the verdict may be wrong.

@@ -2,10 +2,11 @@
 //! Rivals against the reference, and twins that must be wrong.
 
 use super::*;
+use crate::counted::Counted;
 use std::mem::offset_of;
 use terrafill_casters::{PortSize, port};
 use terrafill_shaders::struct_layout;
-use terrafill_shadow_views::bridge;
+use terrafill_shadow_views::{Wrong, bridge};
 
 #[test]
 fn receivers_lie_as_the_shaders_have_them() {
@@ -28,8 +29,8 @@ fn receivers_lie_as_the_shaders_have_them() {
     }
 }
 
-/// `None` where the device cannot.
-fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<DeviceDrawn> {
+/// What is wrong; `None` where the device cannot.
+fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<Wrong> {
     let devices = Devices::default();
     match scene.asked_by(&devices, rival, margin_px) {
         Err(Failure::Unable(error)) => {
@@ -38,7 +39,16 @@ fn asked(scene: &Scene, rival: Rival, margin_px: f64) -> Option<DeviceDrawn> {
             assert!(rival == Rival::Rays || !needed, "{error}");
             None
         }
-        asked => Some(asked.expect("answers")),
+        asked => {
+            let mut asked = asked.expect("answers");
+            let mut draws = std::mem::take(&mut asked.draws);
+            Some(
+                scene
+                    .compared(&asked, &mut draws, Counted::All)
+                    .expect("judged")
+                    .wrong,
+            )
+        }
     }
 }
 
@@ -52,14 +62,14 @@ fn rivals_have_the_reference_s_shadows_and_without_a_margin_those_of_themselves(
         let Some(own) = asked(&scene, rival, MARGIN_PX) else {
             continue;
         };
-        eprintln!("{}: {:?}", rival.name(), own.wrong);
-        assert_eq!(own.wrong.outside(), 0, "{}: {:?}", rival.name(), own.wrong);
-        assert!(own.wrong.in_band < 100, "{}: {:?}", rival.name(), own.wrong);
+        eprintln!("{}: {own:?}", rival.name());
+        assert_eq!(own.outside(), 0, "{}: {own:?}", rival.name());
+        assert!(own.in_band < 100, "{}: {own:?}", rival.name());
         // Negative control: a lit face is in the shadow of itself.
-        let twin = asked(&scene, rival, 0.0).expect("as before").wrong;
+        let twin = asked(&scene, rival, 0.0).expect("as before");
         assert!(twin.false_dark > 20, "{}: {twin:?}", rival.name());
         // Negative control: a margin of many pixels loses shadows at their casters.
-        let twin = asked(&scene, rival, 64.0).expect("as before").wrong;
+        let twin = asked(&scene, rival, 64.0).expect("as before");
         assert!(twin.false_lit > 20, "{}: {twin:?}", rival.name());
     }
 }

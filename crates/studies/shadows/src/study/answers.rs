@@ -8,7 +8,7 @@ use crate::eyes::EyeTable;
 use crate::job::{Job, Method};
 use crate::maps::Mapped;
 use crate::metrics::MOSTLY;
-use crate::views::Chooser;
+use crate::views::{Chooser, Eyes};
 use crate::work::{BOUNDS_SHARE, ChannelTotals, End, NEARS, Pixels, Scene, Scissor};
 use std::path::Path;
 use terrafill_casters::{Extent, Policy, Volume};
@@ -81,7 +81,7 @@ fn picture(
 ) -> Result<(&'static str, String), String> {
     let at = scene.darkest_channel()?;
     let mask = masks.map(|masks| masks[at].as_slice());
-    let path = write(folder, name, &scene.channels[at].1, mask)?;
+    let path = write(folder, name, &scene.truths()[at], mask)?;
     Ok(match mask {
         Some(_) => ("image", path),
         None => ("reference_image", path),
@@ -126,7 +126,7 @@ impl Answering<'_> {
                 Ok(verdict)
             }
             Job::Bounds(sun, rule, ranges, counted) => {
-                let scene = self.under(sun)?;
+                let scene = self.of_end(sun, End::Sea)?;
                 let drawn = match ranges {
                     Ranges::OfParts => scene.drawn_within(rule, BOUNDS_SHARE)?,
                     Ranges::One => scene.drawn_in_one_range(rule)?,
@@ -134,7 +134,7 @@ impl Answering<'_> {
                 Ok(counted_verdict(scene, &drawn, counted))
             }
             Job::View(sun, place, chooser) => {
-                let scene = self.of_place(place, sun, End::Sea)?;
+                let scene = self.seen_from(Eyes::At(place), sun, End::Sea.feet_m(), size)?;
                 let drawn = scene.drawn_chosen(chooser)?;
                 let mut verdict = drawn_verdict(scene, &drawn);
                 if chooser == Chooser::ALL[0] {
@@ -194,7 +194,7 @@ impl Answering<'_> {
                 })
             }
             Job::Map(sun, texel_m, bias) => {
-                let scene = self.under(sun)?;
+                let scene = self.of_end(sun, End::Sea)?;
                 let mapped = scene.mapped(texel_m, bias)?;
                 let mut figures = map_figures(&mapped, mapped.wrong);
                 let unbiased = percent(mapped.unbiased as f64, mapped.judged);

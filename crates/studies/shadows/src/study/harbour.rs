@@ -5,100 +5,120 @@ use super::Answering;
 use super::answers::verdict_of;
 use super::on_devices::device_figures;
 use crate::ablation::optimised;
-use crate::drawing::Kept;
-use crate::job::{Job, sun_name};
+use crate::counted::Counted;
+use crate::drawing::{DeviceDrawn, times_of};
+use crate::job::{HarbourFrame, Job, PORT, sun_name};
 use crate::lamps::{Limit, MOON, MOON_NAME, by_moon};
 use crate::metrics::{FRAME_CPU, FRAME_GPU, FRAME_WALL};
 use crate::shading::{Painter, strip};
-use crate::views::Eyes;
 use crate::way::DeviceWay;
-use crate::work::{Scene, closed, port_m};
+use crate::work::{Scene, closed};
+use terrafill_casters::PortSize;
 use terrafill_contract::CpuStopwatch;
 use terrafill_results::Verdict;
-use terrafill_shadow_views::{DeckCamera, Draws, Interface, Rule, Truth, bridge, picture};
-use terrafill_study::{Failure, Figures, file_stem, verified, write_photo, write_rgb};
+use terrafill_shadow_views::{DeckCamera, Interface, Truth, bridge, picture};
+use terrafill_study::{Failure, Figures, file_stem, size_name, verified, write_photo, write_rgb};
 
 /// What paints a channel for people, by its mask.
 type Paint = fn(&Painter<'_>, &DeckCamera, &Truth, &[bool]) -> Vec<[u8; 3]>;
 
+/// How a frame is drawn, what it is called, and what paints it for people, where this interface does.
+struct Framed {
+    seen: HarbourFrame,
+    way: DeviceWay,
+    name: String,
+    shown: Option<(&'static str, Paint)>,
+}
+
+impl Framed {
+    fn of(job: Job) -> Result<Self, String> {
+        match job {
+            Job::Harbour(frame) => {
+                let by_day: Paint = |painter, view, truth, mask| painter.picture(view, truth, mask);
+                // The same by every interface, and smaller than any other.
+                let is_painted = frame.interface == Interface::Wgpu && frame.size.is_none();
+                let mut name = format!("harbour-{}-{}", frame.eyes.name(), sun_name(frame.sun));
+                if frame.port != PORT {
+                    name += &format!("-{}", frame.port);
+                }
+                if let Some(size) = frame.size {
+                    name += &format!("-{}", size_name(size));
+                }
+                Ok(Self {
+                    way: optimised(frame.interface).ok_or("no optimisation")?,
+                    shown: is_painted.then_some(("by-day", by_day)),
+                    seen: frame,
+                    name,
+                })
+            }
+            // Volumes closed at the sea by one rule.
+            Job::DeviceMoon(eyes, interface, rule) => {
+                let is_painted = Job::is_painted(interface, rule, Limit::Off);
+                Ok(Self {
+                    way: DeviceWay {
+                        rule,
+                        ..DeviceWay::plain(interface)
+                    },
+                    name: format!("{MOON_NAME}-{}-{}", eyes.name(), rule.name()),
+                    shown: is_painted.then_some(("by-night", by_moon as Paint)),
+                    seen: HarbourFrame::plain(MOON, eyes, interface),
+                })
+            }
+            _ => Err("no frame".to_owned()),
+        }
+    }
+}
+
 impl Answering<'_> {
-    /// Channels of a frame, from the left.
-    fn frame(&mut self, sun: [f64; 2], eyes: Eyes, feet_m: Option<f64>) -> Result<&Scene, String> {
-        let size = self.question.frame_size;
-        let name = format!("{} {sun:?} {feet_m:?} {size:?}", eyes.name());
-        self.scene(&name, || {
-            let views = match eyes {
-                // Azimuths grow to the left.
-                Eyes::Bridge => bridge(size).into_iter().rev().collect(),
-                Eyes::At(place) => vec![place.view(size)],
-            };
-            Scene::standing(&closed(port_m()?)?, sun, views, feet_m)
-        })
+    fn framed(&mut self, of: &Framed) -> Result<&Scene, String> {
+        let size = of.seen.size.unwrap_or(self.question.frame_size);
+        let feet_m = of.way.end.feet_m();
+        match of.seen.port {
+            PORT => self.seen_from(of.seen.eyes, of.seen.sun, feet_m, size),
+            port => self.scene(&format!("{port} {:?} {size:?}", of.seen), || {
+                let mesh = terrafill_casters::port(PortSize::named(port).ok_or("no such port")?);
+                Scene::standing(&closed(mesh)?, of.seen.sun, bridge(size), feet_m)
+            }),
+        }
     }
 
-    /// All channels as a device draws them, and a strip of them for people.
-    pub(super) fn harbour(
+    /// All channels as a device draws them.
+    pub(super) fn show_frame(&mut self, case: usize, job: Job) -> Result<DeviceDrawn, Failure> {
+        let (devices, of) = (self.context.devices, Framed::of(job)?);
+        let mut drawn = self.framed(&of)?.drawn_by(devices, of.way)?;
+        self.opened.insert(case, std::mem::take(&mut drawn.draws));
+        Ok(drawn)
+    }
+
+    /// What the reference says of it, and a strip of all channels for people.
+    pub(super) fn judge_frame(
         &mut self,
         case: usize,
-        sun: [f64; 2],
-        eyes: Eyes,
-        interface: Interface,
+        job: Job,
+        drawn: &DeviceDrawn,
     ) -> Result<Verdict, Failure> {
-        let way = optimised(interface).ok_or_else(|| "no optimisation".to_owned())?;
-        let name = format!("harbour-{}-{}", eyes.name(), sun_name(sun));
-        // The same by every interface.
-        let is_painted = interface == Interface::Wgpu;
-        let by_day: Paint = |painter, view, truth, mask| painter.picture(view, truth, mask);
-        let shown = is_painted.then_some(("by-day", by_day));
-        let (verdict, draws) = self.framed(sun, eyes, way, &name, shown)?;
-        self.frames.insert(case, draws);
-        Ok(verdict)
-    }
-
-    /// The same under the moon, volumes closed at the sea by one rule.
-    pub(super) fn moonlit(
-        &mut self,
-        eyes: Eyes,
-        interface: Interface,
-        rule: Rule,
-    ) -> Result<Verdict, Failure> {
-        let way = DeviceWay {
-            rule,
-            ..DeviceWay::plain(interface)
-        };
-        let name = format!("{MOON_NAME}-{}-{}", eyes.name(), rule.name());
-        let is_painted = Job::is_painted(interface, rule, Limit::Off);
-        let shown = is_painted.then_some(("by-night", by_moon as Paint));
-        Ok(self.framed(MOON, eyes, way, &name, shown)?.0)
-    }
-
-    /// - `shown`: what a picture for people is called, and what paints it
-    fn framed(
-        &mut self,
-        sun: [f64; 2],
-        eyes: Eyes,
-        way: DeviceWay,
-        name: &str,
-        shown: Option<(&str, Paint)>,
-    ) -> Result<(Verdict, Vec<Box<dyn Draws>>), Failure> {
         let (context, loses_nothing) = (self.context, self.question.loses_nothing);
-        let size = self.question.frame_size;
-        let scene = self.frame(sun, eyes, way.end.feet_m())?;
-        let drawn = scene.drawn_by(context.devices, way, Kept::All)?;
-        let figures = device_figures(&drawn, scene.pixels(), true);
-        let mut verdict = verdict_of(drawn.wrong, figures);
-        let channels = || scene.channels.iter().zip(&drawn.kept);
-        let judged = channels().map(|((_, truth), (_, mask))| picture(truth, Some(mask)));
-        let judged = strip(&judged.collect::<Vec<_>>(), size);
-        let count = u32::try_from(scene.channels.len()).unwrap_or(u32::MAX);
+        let of = Framed::of(job)?;
+        let size = of.seen.size.unwrap_or(self.question.frame_size);
+        let mut draws = self.opened.remove(&case).unwrap_or_default();
+        let scene = self.framed(&of)?;
+        let judged = scene.compared(drawn, &mut draws, Counted::All)?;
+        let figures = device_figures(drawn, &judged, scene.pixels());
+        let mut verdict = verdict_of(judged.wrong, figures);
+        // Azimuths grow to the left.
+        let channels = || scene.channels().zip(&drawn.masks).rev();
+        let pictures = channels().map(|((_, truth), mask)| picture(truth, Some(mask)));
+        let pictures = strip(&pictures.collect::<Vec<_>>(), size);
+        let count = u32::try_from(scene.views.len()).unwrap_or(u32::MAX);
         let all = [size[0] * count, size[1]];
-        let name = file_stem(&format!("shadows-{name}-{}", way.interface.name()));
-        let path = write_rgb(context.folder, &name, all, &judged)?;
+        let interface = of.way.interface.name();
+        let name = file_stem(&format!("shadows-{}-{interface}", of.name));
+        let path = write_rgb(context.folder, &name, all, &pictures)?;
         verdict.notes.push(("image", path));
-        if let Some((called, paint)) = shown {
+        if let Some((called, paint)) = of.shown {
             let painter = Painter::new(scene);
             let painted =
-                channels().map(|((view, truth), (_, mask))| paint(&painter, view, truth, mask));
+                channels().map(|((view, truth), mask)| paint(&painter, view, truth, mask));
             let painted = strip(&painted.collect::<Vec<_>>(), size);
             let write = if loses_nothing {
                 write_rgb
@@ -108,24 +128,20 @@ impl Answering<'_> {
             let path = write(context.folder, &format!("{name}-{called}"), all, &painted)?;
             verdict.notes.push(("map", path));
         }
-        verdict.notes.push(("mask_hash", drawn.mask_hash));
-        let channels = drawn.kept.into_iter().map(|(draws, _)| draws);
-        Ok((verdict, channels.collect()))
+        verdict.notes.push(("mask_hash", judged.mask_hash));
+        self.keep(case, draws);
+        Ok(verdict)
     }
 
     /// All channels once, one after the other.
     pub(super) fn frame_times(&mut self, case: usize) -> Result<Figures, Failure> {
-        let channels = verified(&mut self.frames, case)?;
+        let channels = verified(&mut self.opened, case)?;
         let watch = CpuStopwatch::start();
-        let times: Result<Vec<_>, _> = channels.iter_mut().map(|draws| draws.time()).collect();
+        let times = times_of(channels)?;
         let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let times = times?;
-        let of_device = times
-            .iter()
-            .map(|times| Some(times.surface_gpu_ms? + times.fill_gpu_ms?));
-        let gpu_ms: Option<f64> = of_device.sum();
+        let gpu_ms = times.surface_gpu_ms.zip(times.fill_gpu_ms);
         let mut values = vec![(FRAME_WALL.name, wall_ms), (FRAME_CPU.name, cpu_ms)];
-        values.extend(gpu_ms.map(|ms| (FRAME_GPU.name, ms)));
+        values.extend(gpu_ms.map(|(surface, fill)| (FRAME_GPU.name, surface + fill)));
         Ok(values)
     }
 }

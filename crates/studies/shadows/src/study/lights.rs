@@ -5,7 +5,7 @@ use super::Answering;
 use super::answers::{seen_figures, verdict_of};
 use crate::drawing::plausible;
 use crate::job::Job;
-use crate::lamps::{LampEye, LampName, LampScene, Limit, picture};
+use crate::lamps::{LampDrawn, LampEye, LampName, LampScene, Limit, picture};
 use crate::metrics::{MISCOUNTED, SHADOW_REACHED_PX};
 use crate::work::Pixels;
 use terrafill_results::Verdict;
@@ -14,8 +14,9 @@ use terrafill_study::{Failure, Figures, file_stem, write_photo, write_rgb};
 
 impl LampScene {
     fn figures(&self, mask: &[bool], volume_triangles: usize) -> Figures {
-        let count = |light| self.truth.count(light);
-        let (all, shadow) = (self.truth.light.len(), count(Light::Shadow));
+        let truth = self.truth();
+        let count = |light| truth.count(light);
+        let (all, shadow) = (truth.light.len(), count(Light::Shadow));
         let receivers = all - count(Light::Sky);
         let pixels = Pixels {
             all,
@@ -32,7 +33,7 @@ impl LampScene {
             ("shadow_undecided_px", count(Light::Undecided) as f64),
             ("shadow_volume_triangles", volume_triangles as f64),
         ];
-        figures.extend(seen_figures(pixels, self.truth.lost(mask)));
+        figures.extend(seen_figures(pixels, truth.lost(mask)));
         figures
     }
 }
@@ -65,32 +66,54 @@ impl Answering<'_> {
         let drawn = scene.drawn(rule, limit);
         let mask = drawn.masks.first().ok_or_else(|| "no mask".to_owned())?;
         let mut figures = scene.figures(mask, drawn.volume_triangles);
-        let pixels = scene.truth.light.len() as f64;
+        let pixels = scene.truth().light.len() as f64;
         figures.push(("shadow_updates", drawn.updates as f64 / pixels));
         Ok(verdict_of(drawn.wrong, figures))
     }
 
-    /// By a device, and painted for people.
-    pub(super) fn lamp_drawn(&mut self, case: usize, job: Job) -> Result<Verdict, Failure> {
+    /// By a device.
+    pub(super) fn show_lamp(&mut self, case: usize, job: Job) -> Result<LampDrawn, Failure> {
         let Job::DeviceLamp(name, eye, interface, rule, limit) = job else {
             return Err("no device draws it".to_owned().into());
         };
+        let (devices, size) = (self.context.devices, self.question.frame_size);
+        let scene = self.lamp(name, eye, size)?;
+        let mut drawn = scene.drawn_by(devices, interface, rule, limit)?;
+        let draws = std::mem::take(&mut drawn.draws);
+        self.opened.insert(case, draws.into_iter().collect());
+        Ok(drawn)
+    }
+
+    /// What the reference says of it, and painted for people.
+    pub(super) fn judge_lamp(
+        &mut self,
+        case: usize,
+        job: Job,
+        drawn: &LampDrawn,
+    ) -> Result<Verdict, Failure> {
+        let Job::DeviceLamp(name, eye, interface, rule, limit) = job else {
+            return Err("no device draws it".to_owned().into());
+        };
+        let dark = drawn.mask.iter().filter(|is_dark| **is_dark).count();
+        let mut draws = self.opened.remove(&case).unwrap_or_default();
+        let counted = draws.first_mut().map(|draws| draws.fragments());
+        let counted = counted.transpose()?.flatten();
+        self.keep(case, draws);
+        let fragments = plausible(counted, dark);
         let (context, loses_nothing) = (self.context, self.question.loses_nothing);
         let size = self.question.frame_size;
         let scene = self.lamp(name, eye, size)?;
-        let drawn = scene.drawn_by(context.devices, interface, rule, limit)?;
-        let mut figures = scene.figures(&drawn.mask, drawn.volume_triangles);
+        let wrong = scene.wrong(drawn);
+        let mut figures = scene.figures(&drawn.mask, drawn.volume.triangles.len());
         figures.extend([
-            ("shadow_rim_px", drawn.wrong.at_rims as f64),
+            ("shadow_rim_px", wrong.at_rims as f64),
             ("shadow_draws", drawn.counters.draws as f64),
         ]);
-        let dark = drawn.mask.iter().filter(|is_dark| **is_dark).count();
-        let fragments = plausible(drawn.counters.stencil_fragments, dark);
         let share = |count: u64| count as f64 / drawn.mask.len() as f64;
         if let Ok(Some(count)) = fragments {
             figures.push(("shadow_fragments", share(count)));
         }
-        let mut verdict = verdict_of(drawn.wrong, figures);
+        let mut verdict = verdict_of(wrong, figures);
         let words = [
             name.name(),
             eye.name(),
@@ -99,7 +122,7 @@ impl Answering<'_> {
             limit.name(),
         ];
         let stem = file_stem(&words.join("-"));
-        let path = write(context.folder, &stem, &scene.truth, Some(&drawn.mask))?;
+        let path = write(context.folder, &stem, scene.truth(), Some(&drawn.mask))?;
         verdict.notes.push(("image", path));
         // The same by every way.
         if Job::is_painted(interface, rule, limit) {
@@ -116,9 +139,6 @@ impl Answering<'_> {
         }
         if let Err(miscounted) = fragments {
             verdict.notes.push((MISCOUNTED, miscounted));
-        }
-        if self.cases[case].samples > 0 {
-            self.opened.insert(case, drawn.draws);
         }
         Ok(verdict)
     }
