@@ -93,11 +93,13 @@ impl Job {
     pub(crate) fn size(self, computed: [u32; 2], frame: [u32; 2]) -> Option<[u32; 2]> {
         match self {
             Self::Harbour(own) => Some(own.size.unwrap_or(frame)),
+            // Thousands of their pixels are to be wrong, and the reference asks for each of them.
+            Self::Near(..)
+            | Self::DeviceRow(..)
+            | Self::DeviceLamp(_, LampEye::InShadow, _, Rule::Pass, _) => Some(computed),
             Self::DeviceLamp(..) | Self::DeviceMoon(..) => Some(frame),
             Self::Model | Self::Silhouette(..) => None,
             Self::Eye(..) => Some(EYE_SIZE),
-            // Thousands of their pixels are to be wrong, and the reference asks for each of them.
-            Self::Near(..) | Self::DeviceRow(..) => Some(computed),
             job if job.is_of_device() => Some(frame),
             _ => Some(computed),
         }

@@ -17,10 +17,8 @@ use terrafill_shadow_views::{EyeTest, Interface, Positions, Rule};
 use terrafill_study::{planned_case, size_name};
 use terrafill_variant::FacePasses;
 
-/// Timed silhouettes a process.
-const SAMPLES: u32 = 3;
-/// The same of frames of a device, each of which is seven pictures.
-const FRAME_SAMPLES: u32 = 1;
+/// Timed samples a process: a frame of a device is seven pictures, and a run has five processes.
+const SAMPLES: u32 = 1;
 
 type Condition = (ConditionKey, String);
 
@@ -247,15 +245,15 @@ pub(super) fn planned(job: Job, samples: Option<u32>, brought: Option<&Brought>)
         .chain(conditions);
     let samples = match job {
         Job::Silhouette(..) => samples.unwrap_or(SAMPLES),
-        Job::Map(..) => samples.unwrap_or(1),
         // Where every limit is drawn.
-        Job::DeviceLamp(_, LampEye::Bridge, ..) => samples.unwrap_or(FRAME_SAMPLES),
-        Job::Harbour(..) | Job::DeviceMoon(Eyes::Bridge, ..) => samples.unwrap_or(FRAME_SAMPLES),
+        Job::DeviceLamp(_, LampEye::Bridge, ..) => samples.unwrap_or(SAMPLES),
+        Job::Harbour(..) | Job::DeviceMoon(Eyes::Bridge, ..) => samples.unwrap_or(SAMPLES),
         // The paper asks for seven channels.
         Job::Device(_, Eyes::At(_), _) | Job::Rival(_, Eyes::At(_), _) => 0,
         // A bias is one comparison, and costs nothing.
-        Job::DeviceMap(_, _, bias) if bias != Bias::Constant => 0,
-        job if job.is_of_device() => samples.unwrap_or(FRAME_SAMPLES),
+        Job::Map(_, _, bias) | Job::DeviceMap(_, _, bias) if bias != Bias::Constant => 0,
+        Job::Map(..) => samples.unwrap_or(SAMPLES),
+        job if job.is_of_device() => samples.unwrap_or(SAMPLES),
         _ => 0,
     };
     // Of a mesh that is not closed, any answer but the verdict may be wrong.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Cases under lights at a place.
 
-use super::Answering;
 use super::answers::{seen_figures, verdict_of};
+use super::{Answering, Question};
 use crate::drawing::plausible;
 use crate::job::Job;
 use crate::lamps::{LampDrawn, LampEye, LampName, LampScene, Limit, picture};
@@ -71,12 +71,19 @@ impl Answering<'_> {
         Ok(verdict_of(drawn.wrong, figures))
     }
 
+    fn lamp_size(&self, job: Job) -> [u32; 2] {
+        let Question {
+            size, frame_size, ..
+        } = self.question;
+        job.size(*size, *frame_size).unwrap_or(*frame_size)
+    }
+
     /// By a device.
     pub(super) fn show_lamp(&mut self, case: usize, job: Job) -> Result<LampDrawn, Failure> {
         let Job::DeviceLamp(name, eye, interface, rule, limit) = job else {
             return Err("no device draws it".to_owned().into());
         };
-        let (devices, size) = (self.context.devices, self.question.frame_size);
+        let (devices, size) = (self.context.devices, self.lamp_size(job));
         let scene = self.lamp(name, eye, size)?;
         let mut drawn = scene.drawn_by(devices, interface, rule, limit)?;
         let draws = std::mem::take(&mut drawn.draws);
@@ -101,7 +108,7 @@ impl Answering<'_> {
         self.keep(case, draws);
         let fragments = plausible(counted, dark);
         let (context, loses_nothing) = (self.context, self.question.loses_nothing);
-        let size = self.question.frame_size;
+        let size = self.lamp_size(job);
         let scene = self.lamp(name, eye, size)?;
         let wrong = scene.wrong(drawn);
         let mut figures = scene.figures(&drawn.mask, drawn.volume.triangles.len());
