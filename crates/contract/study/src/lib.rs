@@ -10,6 +10,7 @@
 //! studies open, [`Progress`] receives progress, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
+mod driver_fault;
 mod failure;
 mod files_read;
 mod picture;
@@ -24,6 +25,7 @@ mod study;
 mod trial;
 mod turns;
 
+pub use driver_fault::{Driver, DriverFault, LOSES_SLIVERS};
 pub use failure::{Failure, StudyError};
 pub use files_read::files_read;
 pub use picture::{file_stem, write_photo, write_rgb};

@@ -1,31 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pixels that a driver is known to lose: expected failures, typed by driver, scene, view, size and
 //! variant.
-//!
-//! An expectation excuses exactly its pixels. One wrong pixel more is a wrong picture. A picture in
-//! which they are right is a failure as well, since the expectation has to go then.
 
 use crate::cases::FillCase;
 use crate::subject::Subject;
 use terrafill_contract::Frame;
 use terrafill_results::Status;
 use terrafill_scene::ImageSize;
+use terrafill_study::{Driver, DriverFault, LOSES_SLIVERS};
 use terrafill_variant::{DepthRuleChoice, FacePasses};
 
 /// What a driver loses.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct DriverFault {
-    /// Part of the adapter's name.
-    adapter: &'static str,
-    /// First and last Mesa release that it was seen with.
-    mesa: [[u32; 3]; 2],
+pub(crate) struct LostPixels {
+    fault: DriverFault,
     scene: &'static str,
     view: &'static str,
     size: ImageSize,
     is_hit: fn(&FillCase) -> bool,
     /// Column and row, from the upper left corner.
     pixels: &'static [[u32; 2]],
-    reason: &'static str,
 }
 
 /// Every expectation.
@@ -36,15 +30,13 @@ pub(crate) struct DriverFault {
 /// computes. Front and back faces cancel unless the wall is lost, which takes China's pixel from the
 /// picture. `crates/devices/vulkan/tests/culled_faces.rs` has the same fault in a picture of slivers
 /// alone.
-const KNOWN: [DriverFault; 1] = [DriverFault {
-    adapter: "llvmpipe",
-    mesa: [[25, 0, 0], [25, 0, 7]],
+const KNOWN: [LostPixels; 1] = [LostPixels {
+    fault: LOSES_SLIVERS,
     scene: "countries-50m",
     view: "fill",
     size: ImageSize::new(1024, 1024),
     is_hit: draws_each_face_alone,
     pixels: &[[503, 451]],
-    reason: "a sliver less than 1/128 px wide is culled as front face and as back face",
 }];
 
 /// Front and back faces in a pass each, counted behind the surface, the far side of the body included,
@@ -64,26 +56,7 @@ fn draws_each_face_alone(case: &FillCase) -> bool {
         && !variant.plan.horizon_culling
 }
 
-/// What of an adapter expectations depend on.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Driver<'a> {
-    /// The adapter's name.
-    pub(crate) name: &'a str,
-    /// The driver's version text, such as `Mesa 25.0.7-2 (LLVM 15.0.6)`.
-    pub(crate) info: &'a str,
-}
-
-impl Driver<'_> {
-    fn mesa(self) -> Option<[u32; 3]> {
-        let text = self.info.split("Mesa ").nth(1)?;
-        let end = text.find(|c: char| c != '.' && !c.is_ascii_digit());
-        let mut numbers = text[..end.unwrap_or(text.len())].split('.');
-        let mut next = || numbers.next()?.parse().ok();
-        Some([next()?, next()?, next()?])
-    }
-}
-
-impl DriverFault {
+impl LostPixels {
     /// The expectation of a case, if there is one.
     pub(crate) fn of(
         driver: Driver<'_>,
@@ -93,9 +66,7 @@ impl DriverFault {
         case: &FillCase,
     ) -> Option<&'static Self> {
         KNOWN.iter().find(|fault| {
-            let [first, last] = fault.mesa;
-            driver.name.contains(fault.adapter)
-                && driver.mesa().is_some_and(|it| (first..=last).contains(&it))
+            fault.fault.is_of(driver)
                 && (fault.scene, fault.view, fault.size) == (scene, view, size)
                 && (fault.is_hit)(case)
         })
@@ -136,22 +107,9 @@ impl DriverFault {
         excused: &[String],
         differing: usize,
     ) -> (Status, String) {
+        let [objections, excused] = [reasons, excused].map(|all| all.join("; "));
         let known = self.pixels.len();
-        if !excused.is_empty() {
-            return (Status::Wrong, reasons.join("; "));
-        }
-        let Self {
-            adapter, reason, ..
-        } = self;
-        if differing < known {
-            let reason = format!(
-                "unexpected success: {differing} of {known} pixels differ that {adapter} is known \
-                 to lose ({reason}); the expectation can go"
-            );
-            return (Status::Failed, reason);
-        }
-        let reason = format!("{known} px lost by a known fault of {adapter}: {reason}");
-        (Status::DriverFault, reason)
+        self.fault.settle(&objections, &excused, differing, known)
     }
 }
 
@@ -163,6 +121,7 @@ mod tests {
     use std::sync::Arc;
     use terrafill_contract::{FillInput, PreparedScene};
     use terrafill_core::{RegionMesh, VolumeHeights};
+    use terrafill_fixtures::distance_and_width;
     use terrafill_plan::PlanOptions;
     use terrafill_scene::{Overlap, Scene};
     use terrafill_variant::Variant;
@@ -186,7 +145,7 @@ mod tests {
 
     fn expected(driver: Driver<'_>, case: &FillCase) -> bool {
         let size = KNOWN[0].size;
-        DriverFault::of(driver, "countries-50m", "fill", size, case).is_some()
+        LostPixels::of(driver, "countries-50m", "fill", size, case).is_some()
     }
 
     #[test]
@@ -195,18 +154,12 @@ mod tests {
         assert!(expected(THIS, &compute));
         assert!(expected(THIS, &case(0, &[("layout", "per-triangle")])));
         assert!(expected(THIS, &case(0, &[("walls", "list")])));
-        // Negative controls: another adapter, a later release, none named, another view, size and variant.
-        for [name, info] in [
-            ["NVIDIA H100", THIS.info],
-            [THIS.name, "Mesa 25.1.0 (LLVM 15.0.6)"],
-            [THIS.name, "Mesa 25.0.8"],
-            [THIS.name, "535.129"],
-        ] {
-            assert!(!expected(Driver { name, info }, &compute), "{name} {info}");
-        }
+        // Negative controls: another adapter, view, size and variant.
+        let name = "NVIDIA H100";
+        assert!(!expected(Driver { name, ..THIS }, &compute));
         let size = KNOWN[0].size;
         let smaller = ImageSize { width: 512, ..size };
-        let of = |scene, view, size| DriverFault::of(THIS, scene, view, size, &compute).is_some();
+        let of = |scene, view, size| LostPixels::of(THIS, scene, view, size, &compute).is_some();
         assert!(!of("countries-50m", "globe", size) && !of("countries-110m", "fill", size));
         assert!(!of("countries-50m", "fill", smaller));
         assert!(!expected(THIS, &case(0, &[])) && !expected(THIS, &case(2, &[])));
@@ -271,28 +224,6 @@ mod tests {
         other.ids[place] = 9;
         assert_eq!(fault.excused(&other, &reference, true).1, 0);
         assert_eq!(fault.excused(&other, &reference, false).1, 1);
-    }
-
-    /// Distance of a place from a triangle of the image, 0 within it, and the triangle's least width,
-    /// pixels.
-    fn distance_and_width([x, y]: [f64; 2], corners: [[f64; 2]; 3]) -> [f64; 2] {
-        let cross = |o: [f64; 2], a: [f64; 2], b: [f64; 2]| {
-            (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
-        };
-        let sides = [[0, 1], [1, 2], [2, 0]].map(|side| side.map(|i| corners[i]));
-        let longest = sides.map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1]));
-        let longest = longest.into_iter().fold(0.0, f64::max);
-        let area = cross(corners[0], corners[1], corners[2]);
-        let turns = sides.map(|[a, b]| cross(a, b, [x, y]) * area.signum());
-        let away = sides.map(|[a, b]| {
-            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let along = ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy);
-            let along = along.clamp(0.0, 1.0);
-            (a[0] + along * dx - x).hypot(a[1] + along * dy - y)
-        });
-        let is_within = turns.into_iter().all(|turn| turn >= 0.0);
-        let away = away.into_iter().fold(f64::INFINITY, f64::min);
-        [if is_within { 0.0 } else { away }, area.abs() / longest]
     }
 
     #[test]

@@ -14,11 +14,12 @@ const QUICK_MODELS: usize = 5;
 /// Of which every width of strokes is drawn, pixels; others have the middle one.
 const OF_EVERY_WIDTH: usize = 17;
 const WIDTHS_PX: [u32; 3] = [1, 3, 5];
-/// Pixels of a quick run.
+/// Pixels of a run that names no size: those of a channel, and of a quick run.
+const SIZE: [u32; 2] = [512, 384];
 const QUICK_SIZE: [u32; 2] = [256, 192];
 /// Timed frames of a process, and of those that take a software device longer than a second.
-const SAMPLES: u32 = 5;
-const LONG_SAMPLES: u32 = 2;
+const SAMPLES: u32 = 2;
+const LONG_SAMPLES: u32 = 1;
 /// Setting by which whoever renders keeps pictures.
 const PICTURES: &str = "pictures";
 
@@ -43,7 +44,11 @@ pub fn planned(
         };
         let of = |width: &u32| Way::ALL.map(|way| (way, *width));
         let ways: Vec<(Way, u32)> = widths.iter().flat_map(of).collect();
-        let size = request.size_or(QUICK_SIZE);
+        let size = match (request.names_size, request.depth) {
+            (true, _) => request.size,
+            (false, Depth::Quick) => QUICK_SIZE,
+            (false, _) => SIZE,
+        };
         let case = |(way, width): &(Way, u32)| {
             let is_right = matches!(way, Way::Clear | Way::Value);
             let is_long = *models > 1_000;

@@ -141,9 +141,19 @@ impl Wrong {
         Self::but_at_rims(mask, truth, |_, _| false)
     }
 
+    /// Pixels outside the band in which a mask is not the reference's, in order, and the light that it has there.
+    pub fn outside_band(mask: &[bool], truth: &Truth) -> Vec<(usize, Light)> {
+        let mut found = Vec::new();
+        Self::but_at_rims(mask, truth, |at, light| {
+            found.push((at, light));
+            false
+        });
+        found
+    }
+
     /// The same of a device, which rounds.
     ///
-    /// - `is_rim`: whether rounding may give that pixel this light
+    /// - `is_rim`: whether rounding may give that pixel this light; asked in order of pixels outside the band
     pub fn but_at_rims(
         mask: &[bool],
         truth: &Truth,

@@ -32,4 +32,4 @@ pub use scissor::{
 pub use sea::surface;
 pub use seen::{constants, listed, seen_by};
 pub use source::{Adjacency, Adjacent, Computed, EyeMesh, EyeVolumes, IS_CAP, VolumeSource};
-pub use view::{DeckCamera, EYE_SIZE, box_of, bridge, deck_eyes, sun, whole};
+pub use view::{DeckCamera, EYE_SIZE, box_of, bridge, deck_eyes, eyes_within, sun, whole};

@@ -11,6 +11,7 @@
 
 use crate::view::{DeckCamera, box_of, whole};
 use glam::{DVec2, DVec3};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use terrafill_casters::Mesh;
 
 /// Radius of the sea, m: the mean radius of the Earth.
@@ -87,8 +88,8 @@ impl Truth {
     }
 
     /// Asks for what a ray through each pixel's centre sees, and its light.
-    pub(crate) fn of(view: &DeckCamera, ask: impl Fn(DVec3) -> (Seen, Light)) -> Self {
-        let pixels = (0..view.pixel_count()).map(|at| {
+    pub(crate) fn of(view: &DeckCamera, ask: impl Fn(DVec3) -> (Seen, Light) + Sync) -> Self {
+        let pixels = (0..view.pixel_count()).into_par_iter().map(|at| {
             let [column, row] = view.pixel(at);
             ask(view.ray(column, row))
         });
@@ -320,28 +321,6 @@ impl<'a> Reference<'a> {
             (false, false) => Light::Lit,
             _ => Light::Undecided,
         }
-    }
-
-    /// What each pixel of several views sees, and its light: by as many threads as there are cores.
-    pub fn pictures(&self, views: &[DeckCamera]) -> Vec<Truth> {
-        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let threads = cores.min(views.len()).max(1);
-        let of_thread = |thread: usize| {
-            let own = views.iter().skip(thread).step_by(threads);
-            own.map(|view| self.picture(view)).collect::<Vec<_>>()
-        };
-        let mut parts = std::thread::scope(|scope| {
-            let started = (0..threads).map(|thread| scope.spawn(move || of_thread(thread)));
-            let started: Vec<_> = started.collect();
-            let ended = started.into_iter().map(|thread| match thread.join() {
-                Ok(own) => own.into_iter(),
-                Err(panic) => std::panic::resume_unwind(panic),
-            });
-            ended.collect::<Vec<_>>()
-        });
-        (0..views.len())
-            .filter_map(|at| parts[at % threads].next())
-            .collect()
     }
 
     /// What each pixel sees, and its light.

@@ -36,7 +36,7 @@ impl SeenPlace {
 ///
 /// It may where the reference, [`ROUNDING_PX`] beside the pixel's centre along rows, columns or both, has that light or
 /// judges none. It may too where the boundary of a single part's shadow is crossed on the way there: within the shadow of
-/// others it is no boundary of light. Last, it may where a volume begins within [`EDGE_PX`]: see [`is_joint`].
+/// others it is no boundary of light. Last, it may where a volume begins within 1/256 of a pixel: see [`is_joint`].
 ///
 /// - `look`: what the reference has on a ray from the eye
 /// - `is_side_between`: whether that boundary lies between two places

@@ -158,14 +158,29 @@ pub fn bridge(size: [u32; 2]) -> Vec<DeckCamera> {
 
 /// Seeded eyes on the dock, outside every part of it.
 pub fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<DeckCamera> {
+    let dock = [-1.0, 1.0].map(|side| DVec3::new(150.0 * side, 9.5 * side, WALKER_M));
+    eyes_within(mesh, dock, count, near)
+}
+
+/// Seeded eyes in a box, outside every part of the port.
+///
+/// - `corners`: the lowest and the highest place, m
+pub fn eyes_within(
+    mesh: &Mesh,
+    [low, high]: [DVec3; 2],
+    count: usize,
+    near: f64,
+) -> Vec<DeckCamera> {
     let mut random = SplitMix64::new(EYES_SEED);
     let mut eyes = Vec::with_capacity(count);
     while eyes.len() < count {
-        let eye = DVec3::new(
-            300.0 * random.unit() - 150.0,
-            19.0 * random.unit() - 9.5,
-            WALKER_M,
-        );
+        let mut along = |axis: fn(DVec3) -> f64| {
+            let extent = axis(high) - axis(low);
+            // A plane takes no number.
+            let share = if extent > 0.0 { random.unit() } else { 0.0 };
+            extent * share + axis(low)
+        };
+        let eye = DVec3::new(along(|at| at.x), along(|at| at.y), along(|at| at.z));
         let azimuth = 360.0 * random.unit();
         if !mesh.parts.iter().any(|part| {
             let [low, high] = box_of(&mesh.vertices[part.vertices.clone()]);

@@ -40,7 +40,7 @@ fn answers(cases: &Cases<'_>) -> Answers {
     let findings = own.findings().into_iter();
     Answers {
         blocks: findings.map(Block::Finding).collect(),
-        requirements: own.twins().into_iter().collect(),
+        requirements: own.controls().into_iter().collect(),
         ..Answers::default()
     }
 }

@@ -10,6 +10,7 @@ use crate::loading::{Loadable, program};
 use crate::tiling::tiled;
 use crate::way::{Bounds, Cut, DeviceWay, Silhouettes};
 use crate::work::{End, Scene};
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use std::cell::LazyCell;
 use terrafill_casters::Volume;
 use terrafill_contract::{DeviceError, Devices, Frame, FrameTimes, SurfaceView, mask_hash};
@@ -41,6 +42,8 @@ pub(crate) struct DeviceDrawn {
 #[derive(Debug, Default)]
 pub(crate) struct JudgedDrawn {
     pub(crate) wrong: Wrong,
+    /// Channel and pixel of the first of these outside the band that no rounding excuses.
+    pub(crate) first_wrong: Option<(usize, usize)>,
     /// Shadow pixels of the reference that are lit, in the band too.
     pub(crate) lost: usize,
     /// Of volumes; `None` where the device does not count them.
@@ -49,6 +52,17 @@ pub(crate) struct JudgedDrawn {
     pub(crate) miscounted: String,
     /// Of all channels' masks, the sky left out.
     pub(crate) mask_hash: String,
+}
+
+impl JudgedDrawn {
+    /// Where the first wrong pixel is; empty where there is none.
+    pub(crate) fn place(&self, views: &[DeckCamera]) -> String {
+        let told = self.first_wrong.map(|(channel, at)| {
+            let [column, row] = views[channel].pixel(at);
+            format!("; the first in channel {channel}, column {column}, row {row}")
+        });
+        told.unwrap_or_default()
+    }
 }
 
 impl DeviceDrawn {
@@ -138,18 +152,29 @@ impl Scene {
         };
         let mut all = Vec::new();
         let channels = self.channels().zip(drawn.masks.iter().zip(channels));
-        for ((view, truth), (mask, draws)) in channels {
+        for (channel, ((view, truth), (mask, draws))) in channels.enumerate() {
             let slivers = LazyCell::new(|| {
                 let volume = drawn.volume.as_ref();
                 volume.map(|own| slivers(view, own, ROUNDING_PX))
             });
-            let is_rim = |at: usize, light| {
-                // Every triangle of the volume is looked at for slivers, so last.
-                self.is_within_rounding(&reference, view, at, light)
-                    || slivers.as_ref().is_some_and(|slivers| slivers[at])
-            };
             let own = counted.taken(mask, truth);
-            judged.wrong = judged.wrong.plus(Wrong::but_at_rims(&own, truth, is_rim));
+            let asked = Wrong::outside_band(&own, truth);
+            let is_rounding = |&(at, light): &(usize, Light)| {
+                self.is_within_rounding(&reference, view, at, light)
+            };
+            let excused: Vec<bool> = asked.par_iter().map(is_rounding).collect();
+            let mut excused = excused.into_iter();
+            let is_rim = |at: usize, _| {
+                // Every triangle of the volume is looked at for slivers, so last.
+                let is_rim = excused.next() == Some(true)
+                    || slivers.as_ref().is_some_and(|slivers| slivers[at]);
+                if !is_rim {
+                    judged.first_wrong.get_or_insert((channel, at));
+                }
+                is_rim
+            };
+            let wrong = Wrong::but_at_rims(&own, truth, is_rim);
+            judged.wrong = judged.wrong.plus(wrong);
             judged.lost += truth.lost(&own);
             let dark = mask.iter().filter(|dark| **dark).count();
             let counted = plausible(draws.fragments()?, dark).unwrap_or_else(|miscounted| {

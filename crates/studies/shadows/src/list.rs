@@ -7,7 +7,7 @@ use self::planned::{planned, question};
 use crate::ablation::steps;
 use crate::brought::Brought;
 use crate::counted::{Counted, Ranges};
-use crate::job::{HarbourFrame, Job, Method, TEN_PORTS};
+use crate::job::{HarbourFrame, Job, Method, PORT, TEN_PORTS};
 use crate::lamps::{LampEye, LampName, Limit};
 use crate::maps::Bias;
 use crate::rivals::Rival;
@@ -137,6 +137,11 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         counting: Counting::Parts { is_guarded: false },
         ..bounded(bounds)
     };
+    // As the paper has it, for the whole scene.
+    let in_one = |bounds| DeviceWay {
+        ranges: Ranges::One,
+        ..bounded(bounds)
+    };
     let by_rule = |counting| DeviceWay { counting, ..way };
     let mut ways = vec![
         DeviceWay { end, ..way },
@@ -158,8 +163,10 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         by_rule(Counting::Chosen(EyeTest::Exact)),
         bounded(Bounds::Native),
         by_part(Bounds::Native),
+        in_one(Bounds::Native),
         bounded(Bounds::Tiles),
         by_part(Bounds::Tiles),
+        in_one(Bounds::Tiles),
         DeviceWay {
             rule: Rule::Preload,
             ..way
@@ -175,6 +182,7 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
         Interface::Wgpu => ways.extend([
             bounded(Bounds::Discard),
             by_part(Bounds::Discard),
+            in_one(Bounds::Discard),
             found(Silhouettes::Pulled, end),
             found(Silhouettes::Computed, end),
             found(Silhouettes::Computed, End::Sea),
@@ -192,6 +200,8 @@ fn asked_ways(interface: Interface) -> Vec<DeviceWay> {
     let is_own = |way: &DeviceWay| match (interface, way.silhouettes, way.bounds) {
         // By part more is drawn, and the closed volumes of compute are asked once.
         _ if matches!(way.counting, Counting::Parts { .. }) => false,
+        // Whether it is right is asked by counts, and what it saves under one sun.
+        _ if way.ranges == Ranges::One => false,
         (Interface::Wgpu, Silhouettes::Computed, _) => way.end == End::Infinite,
         (Interface::Wgpu, _, _) => way.rule != Rule::Preload,
         (Interface::Vulkan, Silhouettes::Geometry(by), _) => by == Adjacency::Triangles,
@@ -208,6 +218,14 @@ fn asked_ways(interface: Interface) -> Vec<DeviceWay> {
     let mut ways = device_ways(interface);
     ways.retain(is_own);
     ways
+}
+
+/// Whether a way is timed unless a run is full. Each is drawn and judged by both interfaces. What either can do is timed by
+/// wgpu, and what Vulkan alone has with what it is compared with.
+fn is_timed(way: DeviceWay) -> bool {
+    let is_vulkan_s =
+        matches!(way.silhouettes, Silhouettes::Geometry(_)) || way.bounds == Bounds::Native;
+    way.interface == Interface::Wgpu || is_vulkan_s || asked_ways(way.interface).contains(&way)
 }
 
 /// Whose near plane is partly in shadow: by rule, and by who chooses it.
@@ -302,23 +320,16 @@ fn harbours(suns: &[[f64; 2]]) -> Vec<Job> {
 
 /// Frames from the bridge in several sizes, and of ten times the casters.
 fn fitted(sizes: &[[u32; 2]]) -> Vec<Job> {
-    let of = |interface| {
-        let frame = HarbourFrame::plain(LOW_SUN, Eyes::Bridge, interface);
-        let of_size = move |size: &[u32; 2]| HarbourFrame {
-            size: Some(*size),
-            ..frame
-        };
-        let tenfold = HarbourFrame {
-            port: TEN_PORTS,
-            ..frame
-        };
-        sizes.iter().map(of_size).chain([tenfold])
+    // The same rays judge both interfaces, so that these follow one another.
+    let of = |port, size| {
+        Interface::ALL.map(|interface| HarbourFrame {
+            port,
+            size,
+            ..HarbourFrame::plain(LOW_SUN, Eyes::Bridge, interface)
+        })
     };
-    Interface::ALL
-        .into_iter()
-        .flat_map(of)
-        .map(Job::Harbour)
-        .collect()
+    let sized = sizes.iter().flat_map(|size| of(PORT, Some(*size)));
+    sized.chain(of(TEN_PORTS, None)).map(Job::Harbour).collect()
 }
 
 /// Each lamp with every limit. A quick run has one rule.
@@ -338,9 +349,9 @@ fn counted_lamps(is_quick: bool) -> Vec<Job> {
 fn drawn_lamps(is_quick: bool) -> Vec<Job> {
     let seen = LampName::ALL.into_iter().flat_map(|name| {
         let of_all = name == LampName::Shore || !is_quick;
-        let eyes = name.eyes().iter();
-        let own = eyes.filter(move |eye| of_all || **eye == LampEye::Bridge);
-        own.map(move |eye| (name, *eye))
+        let eyes = LampEye::ALL.into_iter();
+        let own = eyes.filter(move |eye| of_all || *eye == LampEye::Bridge);
+        own.map(move |eye| (name, eye))
     });
     let ways = [
         (Rule::Fail, Limit::Off),
@@ -481,7 +492,20 @@ pub(crate) fn questions(
     ];
     let planned = |jobs: Vec<Job>| {
         let question = jobs.first().map_or("", |job| question(*job));
-        let case = |job| (job, planned(job, samples, brought));
+        let case = |job| {
+            let mut case = planned(job, samples, brought);
+            let is_timed = match job {
+                Job::Device(.., way) => is_timed(way),
+                Job::StencilStep(_, step) => step.way.interface == Interface::Wgpu,
+                // Those of the CPU are no rival, so that one sun is enough.
+                Job::Map(sun, ..) => Some(&sun) == map_suns.first(),
+                _ => true,
+            };
+            if depth != Depth::Full && !is_timed {
+                case.samples = 0;
+            }
+            (job, case)
+        };
         (question, jobs.into_iter().map(case).collect())
     };
     let is_asked = |(name, _): &Questions| match brought {

@@ -4,9 +4,10 @@
 //! Casters, parts, or parts by rule are a volume each of the program's list. Over 255 volumes may lie over one
 //! pixel only in passes of 255, each of which darkens for itself.
 
+use crate::counted::Ranges;
 use crate::way::{Bounds, Counting, Cut, DeviceWay};
 use crate::work::Scene;
-use glam::DVec4;
+use glam::{DVec3, DVec4};
 use std::ops::Range;
 use terrafill_casters::Volume;
 use terrafill_contract::DeviceError;
@@ -74,6 +75,17 @@ impl Scene {
         let all =
             (0..mesh.triangles.len()).map(|at| mesh.corners(at).map(|place| place - view.eye));
         all.map(|corners| around(view, &corners)).fold(NONE, joined)
+    }
+
+    /// Depths between which a channel may see something above the sea: those of all that stands in its picture. The lower
+    /// one is above the higher one where nothing does.
+    fn depths_above_sea(&self, view: &DeckCamera) -> DepthRange {
+        let mesh = self.mesh();
+        let all = (0..mesh.triangles.len()).map(|at| mesh.corners(at));
+        let is_seen =
+            |corners: &[DVec3; 3]| around(view, &corners.map(|place| place - view.eye)).area() > 0;
+        let seen = all.filter(is_seen).flatten();
+        depth_range(view, seen.map(|place| place.extend(1.0)))
     }
 
     /// What is counted and drawn together.
@@ -156,10 +168,13 @@ impl Scene {
         };
         let (mut list, mut left_out) = (Vec::new(), 0);
         let above_sea = self.above_sea(way, view);
+        let one_range = (way.ranges == Ranges::One).then(|| self.depths_above_sea(view));
         let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
         let of_part = corners_of_parts(volume, mesh.parts.len());
         for group in self.groups(way, view, reference) {
             let rectangle = group.rectangle(way, view, rectangles.as_deref(), above_sea);
+            // A channel that shows the open sea alone has no depth of interest.
+            let rectangle = rectangle.filter(|_| one_range.is_none_or(|own| own.low <= own.high));
             let Some(screen_rect) = rectangle else {
                 left_out += 1;
                 continue;
@@ -170,9 +185,10 @@ impl Scene {
             }
             let own = &volumes.indices[first..];
             let places = own.iter().map(|at| volume.vertices[*at as usize]);
-            let depth = match way.bounds {
-                Bounds::Off => DepthRange::ANY,
-                _ => depth_range(view, places),
+            let depth = match (way.bounds, one_range) {
+                (Bounds::Off, _) => DepthRange::ANY,
+                (_, Some(of_channel)) => of_channel,
+                (_, None) => depth_range(view, places),
             };
             list.push(terrafill_stencil::Volume {
                 near_rectangle: NearRectangle::by_bounds(group.is_near),
@@ -213,7 +229,7 @@ fn corners_of_parts(volume: &Volume, parts: usize) -> Vec<Vec<u32>> {
     of_part
 }
 
-/// Depths of the surface at which a closed volume of these corners can be around it.
+/// Depths of a surface that has these corners, or is within a closed volume of them.
 fn depth_range(view: &DeckCamera, corners: impl Iterator<Item = DVec4>) -> DepthRange {
     let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
     for corner in corners {
@@ -302,7 +318,6 @@ fn together(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     #[test]
     fn a_depth_range_holds_its_corners_and_infinity_ends_it() {

@@ -2,6 +2,7 @@
 //! The cases, by question: each question is a group.
 
 mod answers;
+mod driver_fault;
 mod harbour;
 mod lights;
 mod meshes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a device draws volumes: where silhouettes are found, what places count from, which rule counts.
 
-use crate::counted::Counted;
+use crate::counted::{Counted, Ranges};
 use crate::work::End;
 use terrafill_shadow_views::{Adjacency, EyeTest, Interface, Positions, Rule};
 use terrafill_variant::{ColourWay, DepthRuleChoice, FacePasses, Switches};
@@ -58,6 +58,8 @@ pub(crate) struct DeviceWay {
     pub(crate) cut: Cut,
     pub(crate) counting: Counting,
     pub(crate) bounds: Bounds,
+    /// Whose depths these are.
+    pub(crate) ranges: Ranges,
 }
 
 terrafill_results::named! {
@@ -74,7 +76,7 @@ terrafill_results::named! {
 }
 
 terrafill_results::named! {
-    /// Where the surface's depth must be for a fragment of a caster to count: in the range of its volume.
+    /// Where the surface's depth must be for a fragment to count: in a range, who tests it.
     pub(crate) enum Bounds {
         Off = "off",
         /// By the device's own test.
@@ -124,6 +126,7 @@ impl DeviceWay {
             cut: Cut::Off,
             counting: Counting::Casters,
             bounds: Bounds::Off,
+            ranges: Ranges::OfParts,
         }
     }
 
@@ -137,19 +140,25 @@ impl DeviceWay {
         }
     }
 
-    /// Whose shadow counts: the paper's scissor considers what stands above the sea alone.
+    /// Whose shadow counts: the paper's scissor considers what stands above the sea alone, its range of depths what lies
+    /// in it.
     pub(crate) fn counted(self) -> Counted {
         match self.cut {
             Cut::SeaLevel => Counted::AboveSea,
-            Cut::Off | Cut::Culled | Cut::Rectangle => Counted::All,
+            Cut::Off | Cut::Culled | Cut::Rectangle => match (self.bounds, self.ranges) {
+                (Bounds::Off, _) | (_, Ranges::OfParts) => Counted::All,
+                (_, Ranges::One) => Counted::InRange,
+            },
         }
     }
 
     /// As rows have it.
     pub(crate) fn bounds_name(self) -> String {
         let name = self.bounds.name().to_owned();
-        match self.counting {
-            Counting::Parts { .. } if self.bounds != Bounds::Off => name + ", by part",
+        match (self.counting, self.ranges) {
+            _ if self.bounds == Bounds::Off => name,
+            (_, Ranges::One) => name + ", one range",
+            (Counting::Parts { .. }, Ranges::OfParts) => name + ", by part",
             _ => name,
         }
     }

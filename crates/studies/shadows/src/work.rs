@@ -7,7 +7,8 @@ mod staged;
 
 use self::side_grid::SideGrid;
 use glam::DVec3;
-use std::cell::OnceCell;
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use std::sync::OnceLock;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, feet_below_sea,
     port, sea_level_below,
@@ -89,8 +90,8 @@ pub(crate) struct Scene {
     /// Of each channel.
     pub(crate) views: Vec<DeckCamera>,
     /// Of the same, found where somebody first asks: a process that only times never does.
-    truths: OnceCell<Vec<Truth>>,
-    side_grid: OnceCell<SideGrid>,
+    truths: OnceLock<Vec<Truth>>,
+    side_grid: OnceLock<SideGrid>,
 }
 
 /// Figures of one way of drawing, summed over all channels.
@@ -102,6 +103,17 @@ pub(crate) struct ChannelTotals {
     pub(crate) volume_triangles: usize,
     /// Of each channel.
     pub(crate) masks: Vec<Vec<bool>>,
+}
+
+impl ChannelTotals {
+    /// With those of the next channels of the same volume.
+    fn with(mut self, next: Self) -> Self {
+        self.wrong = self.wrong.plus(next.wrong);
+        self.updates += next.updates;
+        self.max_overlap = self.max_overlap.max(next.max_overlap);
+        self.masks.extend(next.masks);
+        self
+    }
 }
 
 /// What the views hold, over all channels.
@@ -161,8 +173,8 @@ impl Scene {
         Self {
             to_light,
             views,
-            truths: OnceCell::new(),
-            side_grid: OnceCell::new(),
+            truths: OnceLock::new(),
+            side_grid: OnceLock::new(),
             facing,
             sides,
             prepared,
@@ -173,7 +185,8 @@ impl Scene {
     pub(crate) fn truths(&self) -> &[Truth] {
         self.truths.get_or_init(|| {
             let reference = Reference::new(self.mesh(), self.to_light);
-            reference.pictures(&self.views)
+            let views = self.views.iter();
+            views.map(|view| reference.picture(view)).collect()
         })
     }
 
@@ -225,14 +238,11 @@ impl Scene {
     pub(crate) fn draw_by(
         &self,
         volume: &Volume,
-        how: impl Fn(&DeckCamera, &Truth) -> Vec<Pass>,
+        how: impl Fn(&DeckCamera, &Truth) -> Vec<Pass> + Sync,
     ) -> ChannelTotals {
         let mesh = &self.prepared.mesh;
-        let mut drawn = ChannelTotals {
-            volume_triangles: volume.triangles.len(),
-            ..ChannelTotals::default()
-        };
-        for (view, truth) in self.channels() {
+        let draw = |(view, truth): &(&DeckCamera, &Truth)| {
+            let mut drawn = ChannelTotals::default();
             let mut counts = vec![0; view.pixel_count()];
             let mut mask = vec![false; view.pixel_count()];
             for pass in how(view, truth) {
@@ -245,11 +255,18 @@ impl Scene {
                     *sum += count;
                 }
             }
-            drawn.wrong = drawn.wrong.plus(Wrong::of(&mask, truth));
-            drawn.max_overlap = counts.into_iter().fold(drawn.max_overlap, i32::max);
+            drawn.wrong = Wrong::of(&mask, truth);
+            drawn.max_overlap = counts.into_iter().fold(0, i32::max);
             drawn.masks.push(mask);
-        }
-        drawn
+            drawn
+        };
+        let channels: Vec<_> = self.channels().collect();
+        let drawn: Vec<ChannelTotals> = channels.par_iter().map(draw).collect();
+        let none = ChannelTotals {
+            volume_triangles: volume.triangles.len(),
+            ..ChannelTotals::default()
+        };
+        drawn.into_iter().fold(none, ChannelTotals::with)
     }
 
     /// All parts by one rule, wherever they are.

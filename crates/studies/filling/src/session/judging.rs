@@ -5,7 +5,7 @@ use super::ViewSession;
 use super::drawn::ProbePicture;
 use super::references::Against;
 use crate::cases::FillCase;
-use crate::driver_fault::{Driver, DriverFault};
+use crate::driver_fault::LostPixels;
 use crate::keys::WALL_SHIFT_M;
 use crate::probe::{Probe, failed, tallest_wall_allowed};
 use crate::purpose::Purpose;
@@ -17,7 +17,7 @@ use terrafill_conformance::{
 use terrafill_contract::Frame;
 use terrafill_plan::{DrawnAs, FramePlan, PlannedRegion};
 use terrafill_results::{Status, Verdict};
-use terrafill_study::{Failure, StudyError};
+use terrafill_study::{Driver, Failure, StudyError};
 use terrafill_variant::{ColourWay, RouteChoice};
 
 /// Why a row lacks the times of its passes.
@@ -158,7 +158,7 @@ impl ViewSession<'_> {
     }
 
     /// The pixels that the driver is known to lose of a case.
-    fn driver_fault(&self, case: &FillCase) -> Option<&'static DriverFault> {
+    fn driver_fault(&self, case: &FillCase) -> Option<&'static LostPixels> {
         if case.subject.api() != terrafill_gpu::API {
             return None;
         }
@@ -169,7 +169,7 @@ impl ViewSession<'_> {
             info: &facts.driver_info,
         };
         let group = self.group;
-        DriverFault::of(
+        LostPixels::of(
             driver,
             &group.scene.name,
             &group.view.name,
@@ -183,7 +183,7 @@ impl ViewSession<'_> {
     /// - `reasons`: against the picture as drawn
     fn settle(
         &self,
-        fault: &DriverFault,
+        fault: &LostPixels,
         reasons: &[String],
         (ids_hash, moved_px): (&str, f64),
         frame: &Frame,

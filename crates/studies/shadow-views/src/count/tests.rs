@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Every rule against the reference, and twins that must be wrong.
+//! Every rule against the reference, and controls that must be wrong.
 
 use super::*;
 use crate::reference::Reference;

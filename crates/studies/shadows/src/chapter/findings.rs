@@ -7,8 +7,8 @@ use terrafill_lab::{measured, none_differs, range};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Case, ConditionKey, Finding};
 
-/// Twins that must be wrong: name, question, and the condition that tells them.
-const TWINS: [(&str, &str, ConditionKey, &str); 13] = [
+/// Negative controls that must be wrong: name, question, and the condition that tells them.
+const CONTROLS: [(&str, &str, ConditionKey, &str); 13] = [
     ("z-pass as printed", "updates", RULE, "z-pass as printed"),
     ("the horizon as a scissor", "scissors", SCISSOR, "horizon"),
     ("8 bits that wrap", "rows", COUNTING, "8 bits, wrapping"),
@@ -115,10 +115,10 @@ impl<'a> Own<'a> {
     }
 
     /// What must be wrong, and by how much it is.
-    pub(super) fn twins(&self) -> Option<Finding> {
-        let of = |(name, question, key, twin): &(&'static str, &str, ConditionKey, &str)| {
+    pub(super) fn controls(&self) -> Option<Finding> {
+        let of = |(name, question, key, control): &(&'static str, &str, ConditionKey, &str)| {
             let all = self.of_question(question);
-            let own = all.filter(|case| case.condition(*key) == *twin);
+            let own = all.filter(|case| case.condition(*key) == *control);
             let wrong = own.filter_map(|case| {
                 let of = |metric| measured(case, metric);
                 let other = of(SHADOW_CONTOUR_PX).or_else(|| of(SHADOW_OPEN_EDGES));
@@ -126,7 +126,7 @@ impl<'a> Own<'a> {
             });
             Some((*name, wrong.reduce(f64::max)?))
         };
-        let known: Vec<(&str, f64)> = TWINS.iter().filter_map(of).collect();
+        let known: Vec<(&str, f64)> = CONTROLS.iter().filter_map(of).collect();
         let (wrong, right): (Vec<_>, Vec<_>) = known.iter().partition(|(_, most)| *most > 0.0);
         let right: Vec<String> = right.iter().map(|(name, _)| (*name).to_owned()).collect();
         let most = wrong.iter();

@@ -306,7 +306,8 @@ pub(super) const SECTIONS: [Section<'static>; 24] = [
              those bits alone, and ends of its own where volumes are closed. Depth bounds are \"native\", the device's own test. \"Discard\" is \
              a fragment shader that reads a copy of depth, whose making is timed. With \"tiles\" of 16 pixels \
              the CPU reads depths back and compares, which is timed too, and draws each caster into those \
-             alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. Pixels \"at rims\" are outside the band and within a device's rounding. They lie at \
+             alone that matter to it. A range is that of a caster, or of each of its convex parts, of which more are drawn. \
+             \"One range\" is the paper's, of all that stands in a channel above the sea, and judged within it. Pixels \"at rims\" are outside the band and within a device's rounding. They lie at \
              a caster's rim, in a triangle thinner than 1/32 of a pixel, or on the boundary of one part's shadow inside the \
              shadow of others.",
         &DEVICE_KEYS,

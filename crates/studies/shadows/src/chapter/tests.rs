@@ -9,7 +9,7 @@ use terrafill_results::{Chapter as _, Standing};
 pub(super) fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
     let run = run.loaded();
     let own = Own(Cases::of_study(&run, crate::STUDY));
-    let mut found = own.findings().into_iter().chain(own.twins());
+    let mut found = own.findings().into_iter().chain(own.controls());
     let found = found.find(|finding| finding.claim.contains(claim));
     found.map(|finding| finding.standing)
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Devices' depth bounds with a twin that is too tight, and a rim with a twin that is culled.
+//! Devices' depth bounds with a control that is too tight, and a rim with a control that is culled.
 
 use super::*;
+use crate::counted::Ranges;
 use crate::work::Scene;
 use glam::DVec3;
 use terrafill_casters::Mesh;
@@ -60,13 +61,41 @@ fn emulated_bounds_change_no_pixel_and_bounds_that_are_too_tight_do() {
             low: range.low + 0.7 * (range.high - range.low),
             ..range
         };
-        let twin = wrong(bounds, tight).expect("as before");
-        assert!(twin > 5, "{}: {twin}", bounds.name());
+        let control = wrong(bounds, tight).expect("as before");
+        assert!(control > 5, "{}: {control}", bounds.name());
     }
 }
 
 /// A box 4 m by 6 m. In channel 1 the eye looks over its lit roof towards the sun, and behind the rim its lit wall
 /// begins: both are light caps.
+#[test]
+fn one_range_of_depths_is_right_within_it_and_drops_shadows_beyond() {
+    let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
+    let devices = Devices::default();
+    for bounds in [Bounds::Discard, Bounds::Tiles] {
+        let one = DeviceWay {
+            ranges: Ranges::One,
+            ..way(bounds)
+        };
+        let mut drawn = match scene.drawn_by(&devices, one) {
+            Err(Failure::Unable(error)) => {
+                let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+                assert!(!needed, "{error}");
+                return;
+            }
+            drawn => drawn.expect("drawn"),
+        };
+        let mut draws = std::mem::take(&mut drawn.draws);
+        let mut outside = |counted| {
+            let judged = scene.compared(&drawn, &mut draws, counted);
+            judged.expect("judged").wrong.outside()
+        };
+        assert_eq!(outside(one.counted()), 0, "{}", bounds.name());
+        // Negative control: shadows on the sea behind the port.
+        assert!(outside(Counted::All) > 0, "{}", bounds.name());
+    }
+}
+
 #[test]
 fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_does_not() {
     let places = [
@@ -193,11 +222,11 @@ fn at_the_foot_of_a_caster_rounding_may_darken_the_pixel_on_its_edge_and_none_be
         let wrong = compared.expect("compared").wrong;
         assert_eq!(wrong.outside(), 0, "{}", interface.name());
         let mask = &drawn.masks[0];
-        let mut twin = mask.clone();
-        twin[at(1002, 609)] = true;
+        let mut control = mask.clone();
+        control[at(1002, 609)] = true;
         let outside =
             |mask: &[bool]| Wrong::but_at_rims(mask, truth, |at, _| is_excused(at)).false_dark;
-        assert_eq!([outside(mask), outside(&twin)], [0, 1]);
+        assert_eq!([outside(mask), outside(&control)], [0, 1]);
         eprintln!("foot drawn dark: {}", mask[foot]);
     }
 }

@@ -163,6 +163,7 @@ mod tests {
         for (name, eye) in [
             (LampName::Search, LampEye::Aerial),
             (LampName::Shore, LampEye::InShadow),
+            (LampName::Search, LampEye::InShadow),
         ] {
             let scene = LampScene::new(name, eye, [64, 48]).expect("a port");
             for interface in Interface::ALL {

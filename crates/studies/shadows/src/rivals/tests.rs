@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Rivals against the reference, and twins that must be wrong.
+//! Rivals against the reference, and controls that must be wrong.
 
 use super::*;
 use crate::counted::Counted;
@@ -66,10 +66,10 @@ fn rivals_have_the_reference_s_shadows_and_without_a_margin_those_of_themselves(
         assert_eq!(own.outside(), 0, "{}: {own:?}", rival.name());
         assert!(own.in_band < 100, "{}: {own:?}", rival.name());
         // Negative control: a lit face is in the shadow of itself.
-        let twin = asked(&scene, rival, 0.0).expect("as before");
-        assert!(twin.false_dark > 20, "{}: {twin:?}", rival.name());
+        let control = asked(&scene, rival, 0.0).expect("as before");
+        assert!(control.false_dark > 20, "{}: {control:?}", rival.name());
         // Negative control: a margin of many pixels loses shadows at their casters.
-        let twin = asked(&scene, rival, 64.0).expect("as before");
-        assert!(twin.false_lit > 20, "{}: {twin:?}", rival.name());
+        let control = asked(&scene, rival, 64.0).expect("as before");
+        assert!(control.false_lit > 20, "{}: {control:?}", rival.name());
     }
 }

@@ -75,7 +75,7 @@ impl Answering<'_> {
         let feet_m = of.way.end.feet_m();
         match of.seen.port {
             PORT => self.seen_from(of.seen.eyes, of.seen.sun, feet_m, size),
-            port => self.scene(&format!("{port} {:?} {size:?}", of.seen), || {
+            port => self.scene(&format!("{port} {:?} {size:?}", of.seen.sun), || {
                 let mesh = terrafill_casters::port(PortSize::named(port).ok_or("no such port")?);
                 Scene::standing(&closed(mesh)?, of.seen.sun, bridge(size), feet_m)
             }),
@@ -105,6 +105,7 @@ impl Answering<'_> {
         let judged = scene.compared(drawn, &mut draws, Counted::All)?;
         let figures = device_figures(drawn, &judged, scene.pixels());
         let mut verdict = verdict_of(judged.wrong, figures);
+        verdict.reason.push_str(&judged.place(&scene.views));
         // Azimuths grow to the left.
         let channels = || scene.channels().zip(&drawn.masks).rev();
         let pictures = channels().map(|((_, truth), mask)| picture(truth, Some(mask)));

@@ -2,6 +2,7 @@
 //! Cases that a device answers: shown in every process, judged in the first.
 
 use super::answers::{map_figures, percent, seen_figures, verdict_of};
+use super::driver_fault::LostPixels;
 use super::{Answering, MAX_DIFFERS};
 use crate::counted::Counted;
 use crate::device_map::{DeviceMap, differing};
@@ -120,12 +121,20 @@ impl Answering<'_> {
         drawn: &DeviceDrawn,
     ) -> Result<Verdict, Failure> {
         let (context, question) = (self.context, self.question.name);
+        let fault = LostPixels::on(context.devices, job, self.question.frame_size)?;
         let mut draws = self.opened.remove(&case).unwrap_or_default();
         let counted = way_of(job).map_or(Counted::All, DeviceWay::counted);
         let scene = self.drawn_in(job)?;
         let judged = scene.compared(drawn, &mut draws, counted)?;
         let figures = device_figures(drawn, &judged, scene.pixels());
         let mut verdict = verdict_of(judged.wrong, figures);
+        verdict.reason.push_str(&judged.place(&scene.views));
+        if let Some(fault) = fault {
+            let (mended, differing) = fault.mended(|channel| &scene.truths()[channel].light, drawn);
+            let mended = scene.compared(&mended, &mut draws, counted)?;
+            let excused = verdict_of(mended.wrong, Vec::new()).reason;
+            (verdict.status, verdict.reason) = fault.settle(&verdict.reason, &excused, differing);
+        }
         if let Job::StencilStep(_, step) = job {
             let share = scene.writes_of(step.way)? as f64 / scene.pixels().all as f64;
             verdict.figures.push(("shadow_updates", share));
@@ -138,9 +147,12 @@ impl Answering<'_> {
             let share = share.map(|share| ("shadow_undecided_facings", share));
             verdict.figures.extend(share);
         }
-        let darkest = scene.darkest_channel()?;
+        let shown = match judged.first_wrong {
+            Some((channel, _)) => channel,
+            None => scene.darkest_channel()?,
+        };
         let name = format!("{question}-{case}");
-        let (truth, mask) = (&scene.truths()[darkest], &drawn.masks[darkest]);
+        let (truth, mask) = (&scene.truths()[shown], &drawn.masks[shown]);
         let path = write(context.folder, &name, truth, Some(mask))?;
         verdict.notes.push(("image", path));
         verdict.notes.push(("mask_hash", judged.mask_hash));
