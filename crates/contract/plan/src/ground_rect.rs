@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn no_pixel_that_shows_ground_lies_outside_and_little_sky_inside() {
-        let (mut cut, mut twins) = (0, 0);
+        let (mut cut, mut controls) = (0, 0);
         for body in [Ellipsoid::WGS84, Ellipsoid::SATURN_LIKE] {
             let unit_m = body.equatorial_radius_m();
             for height in [1e-7, 1e-4, 3e-2, 0.5, 2.0, 20.0] {
@@ -166,12 +166,12 @@ mod tests {
                         cut += usize::from(rect != PixelRect::full(SIZE));
                         // Negative control: a body a tenth larger is not held.
                         let larger = shown(&camera, body.radii_m() * 1.1);
-                        twins += usize::from(larger.is_some_and(|hit| hit.within(rect) != hit));
+                        controls += usize::from(larger.is_some_and(|hit| hit.within(rect) != hit));
                     }
                 }
             }
         }
-        assert!(cut > 40 && twins > 20, "{cut} {twins}");
+        assert!(cut > 40 && controls > 20, "{cut} {controls}");
     }
 
     #[test]

@@ -203,7 +203,7 @@ fn what_is_drawn_stays_within_the_stated_pixels() {
             let shift_px = prepared.largest_shift_px(&camera, &plan);
             assert!(shift_px <= pixels, "{view}: {shift_px} of {pixels}");
             if view == "globe" {
-                // The bound is of use, and a bound half as large would be broken: the twin.
+                // The bound is of use, and a bound half as large would be broken: the negative control.
                 assert!(shift_px > 0.5 * pixels / 2.0, "{shift_px} of {pixels}");
             }
         }

@@ -313,13 +313,13 @@ fn every_case_is_verified_once_and_only_right_ones_are_timed() {
         let wrong = index == 4 || index == 5;
         assert_eq!(case.outcome == Outcome::Wrong, wrong);
     }
-    let twins: Vec<_> = run.cases.iter().filter(|case| case.is_repeat()).collect();
-    assert_eq!(twins.len(), 2);
-    for twin in twins {
-        let original = run.case(twin.condition("repeats")).expect("the original");
-        assert_eq!(twin.value("cost_ms"), original.value("cost_ms"));
+    let repeats: Vec<_> = run.cases.iter().filter(|case| case.is_repeat()).collect();
+    assert_eq!(repeats.len(), 2);
+    for repeat in repeats {
+        let original = run.case(repeat.condition("repeats")).expect("the original");
+        assert_eq!(repeat.value("cost_ms"), original.value("cost_ms"));
         assert_eq!(original.value("draws"), Some(7.0));
-        assert_eq!(twin.value("draws"), None, "figures stand once");
+        assert_eq!(repeat.value("draws"), None, "figures stand once");
     }
     let outcome = made.outcome();
     let expected = RunOutcome {
@@ -330,7 +330,7 @@ fn every_case_is_verified_once_and_only_right_ones_are_timed() {
         ..RunOutcome::default()
     };
     assert_eq!(outcome, expected);
-    // Seven are timed, twins included, in three blocks and a warm-up.
+    // Seven are timed, repeats included, in three blocks and a warm-up.
     assert_eq!(made.script.sampled.borrow().len(), 7 * 4);
     assert_eq!(made.script.blocks.get(), 4);
 }

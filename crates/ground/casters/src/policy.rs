@@ -170,9 +170,9 @@ fn is_planar(mesh: &Mesh, ring: &[u32]) -> bool {
 fn weld(mesh: &mut Mesh) {
     for part in mesh.parts.clone() {
         let start = index(part.vertices.start);
-        let twins = welded(&mesh.vertices[part.vertices.clone()]);
+        let equals = welded(&mesh.vertices[part.vertices.clone()]);
         for corners in &mut mesh.triangles[part.triangles] {
-            *corners = corners.map(|corner| twins[(corner - start) as usize] + start);
+            *corners = corners.map(|corner| equals[(corner - start) as usize] + start);
         }
     }
 }

@@ -59,7 +59,7 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// Each place's first twin of equal bits.
+/// Each place's first one of equal bits.
 pub(crate) fn welded(places: &[DVec3]) -> Vec<u32> {
     let mut first = HashMap::new();
     let places = places.iter().enumerate();
@@ -151,9 +151,9 @@ fn extent(mesh: &Mesh, part: &ConvexPart) -> [DVec3; 2] {
 /// Edges of a part, whose vertices of equal bits are one.
 pub(crate) fn part_edges(mesh: &Mesh, part: &ConvexPart) -> BTreeMap<[u32; 2], [usize; 2]> {
     let start = index(part.vertices.start);
-    let twins = welded(&mesh.vertices[part.vertices.clone()]);
+    let equals = welded(&mesh.vertices[part.vertices.clone()]);
     let triangles = mesh.triangles[part.triangles.clone()].iter();
-    edges(triangles.map(|corners| corners.map(|corner| twins[(corner - start) as usize] + start)))
+    edges(triangles.map(|corners| corners.map(|corner| equals[(corner - start) as usize] + start)))
 }
 
 #[cfg(test)]

@@ -44,7 +44,7 @@ mod tests {
             assert!((x - 1.0).abs() < 1e-6 && (y - 0.5).abs() < 1e-9, "{x} {y}");
             let [x, y] = at(0.3, sign * FRAC_PI_2).expect("a cap");
             assert!((x - 0.5).abs() < 1e-9 && (y - 0.5).abs() < 1e-9);
-            // Nothing jumps at ±180°. Twin: a quarter of a turn apart does not meet.
+            // Nothing jumps at ±180°. Negative control: a quarter of a turn apart does not meet.
             let near = |a: f64, b: f64| {
                 let [p, q] = [a, b].map(|at_| at(at_, sign * 1.53).expect("a cap"));
                 (p[0] - q[0]).hypot(p[1] - q[1]) < 1e-8

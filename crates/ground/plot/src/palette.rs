@@ -4,7 +4,7 @@
 //! The first two hues are those of Okabe and Ito (2008), "Color universal design". The others were
 //! searched for the largest distance between any two in Oklab, as seen with full colour vision and as
 //! simulated for the three dichromacies (Machado et al. 2009). Their contrast on the page is 4.5 : 1 or
-//! more, as text needs. Each has a twin for dark pages. Plots are drawn in the light colours; the page's
+//! more, as text needs. Each has a counterpart for dark pages. Plots are drawn in the light colours; the page's
 //! style sheet swaps them. Twelve hues cannot all be told apart with two kinds of cones, so nothing rests
 //! on colour alone: curves of one report differ in their markers too, and neighbours differ in both.
 
@@ -16,7 +16,7 @@ pub(crate) const INK: RGBColor = RGBColor(1, 2, 3);
 /// Background of the page behind open markers; becomes the page's own as [`INK`] does.
 pub(crate) const PAPER: RGBColor = RGBColor(3, 2, 1);
 
-/// Light and dark twin of each hue, in the order that keeps neighbours furthest apart.
+/// Light and dark counterpart of each hue, in the order that keeps neighbours furthest apart.
 const HUES: [[RGBColor; 2]; 12] = [
     [RGBColor(0x00, 0x72, 0xB2), RGBColor(0x56, 0xB4, 0xE9)],
     [RGBColor(0xC0, 0x54, 0x00), RGBColor(0xF2, 0x8B, 0x3C)],
@@ -162,7 +162,7 @@ impl Palette {
     }
 }
 
-/// Style sheet rules that swap each drawn colour for its twin on a dark page.
+/// Style sheet rules that swap each drawn colour for its counterpart on a dark page.
 #[must_use]
 pub fn dark_rules() -> String {
     HUES.iter()

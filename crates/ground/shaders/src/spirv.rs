@@ -435,8 +435,8 @@ mod tests {
             // Word 1 is the version: 0x00MMmm00.
             assert_eq!(spirv[1], 0x0001_0300);
         }
-        let twin = wgsl_to_spirv("native/volume.wgsl", SpirvStage::Vertex, "no_such", &[]);
-        assert!(twin.is_err());
+        let control = wgsl_to_spirv("native/volume.wgsl", SpirvStage::Vertex, "no_such", &[]);
+        assert!(control.is_err());
     }
 
     #[test]

@@ -265,7 +265,7 @@ mod tests {
                 assert_eq!(texels.iter().filter(|x| close(**x, beyond)).count(), 1);
             }
         }
-        // The twin: the place simply continued beyond the edge is nobody's texel.
+        // Negative control: the place simply continued beyond the edge is nobody's texel.
         let continued = CubeTexture::angles(direction(4, [cube.place(8), cube.place(3)]));
         let continued = continued.map(nearest_f32);
         assert!(!texels.iter().any(|x| close(*x, continued)));

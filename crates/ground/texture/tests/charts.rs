@@ -168,7 +168,7 @@ fn every_text_is_wgsl() {
         let declarations = cube.map_or(String::new(), |cube| cube.declarations(0, 0));
         let text = format!("{declarations}{}", route.wgsl());
         is_valid(&text).unwrap_or_else(|e| panic!("{}: {e}", route.name()));
-        // The twins: an argument less, and a texture that is not declared.
+        // Negative controls: an argument less, and a texture that is not declared.
         assert!(
             is_valid(&text.replacen("fma(", "fma(1.0f, ", 1)).is_err() || !text.contains("fma(")
         );

@@ -180,7 +180,7 @@ fn the_default_is_within_a_tenth_of_a_millimetre_at_20_m_and_a_quarter_of_a_pixe
         let quarter = 0.25 * view.pixel_size_m(distance_m);
         let bound = PositionRoute::EyeRegion.residual(&view, &region, distance_m);
         assert!(bound.max_m <= quarter, "{distance_m}: {bound:?}");
-        // The twin: the 2007 way is not, close by.
+        // Negative control: the 2007 way is not, close by.
         let published = PositionRoute::InverseEcef.residual(&view, &region, distance_m);
         assert_eq!(published.measured_max_m > quarter, distance_m < 1e4);
     }

@@ -581,7 +581,7 @@ fn a_route_beyond_its_domain_says_so() {
             let residual = route(name).residual(&home);
             assert!(residual.max_rad > 0.05, "{name}: {}", residual.max_rad);
         }
-        // The twin: with octants the same cores hold.
+        // Negative control: with octants the same cores hold.
         for name in ["recentred-odd-15", "recentred-rat-2-2"] {
             let residual = route(name).residual(&home);
             assert!(residual.max_rad < 1e-3, "{name}: {}", residual.max_rad);

@@ -290,7 +290,7 @@ mod tests {
                     assert!(moved <= by_px + MOVED_STEP_PX, "{slope}: {moved}, {by_px}");
                     assert!(verdict_of_moved(&found, by_px).is_pass(), "{found:?}");
                     // By a shore along rows or diagonals of centres all are as far, and a picture
-                    // tells no more; else some is nearly as far as can be. Twin: a quarter of the
+                    // tells no more; else some is nearly as far as can be. Negative control: a quarter of the
                     // truth is too little to state.
                     if ![0.0, 1.0].contains(&slope) {
                         assert!(moved >= 0.8 * by_px, "{slope}: {moved}, {by_px}");

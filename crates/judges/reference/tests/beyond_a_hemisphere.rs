@@ -264,7 +264,7 @@ fn areas_by_points_by_angles_and_by_meshes_are_the_same() {
     }
 }
 
-/// Twin of the areas: upside down, a ring has as large an area but another inside; inside out or
+/// Negative control of the areas: upside down, a ring has as large an area but another inside; inside out or
 /// with a hole that decides for itself, another area.
 #[test]
 fn mutants_have_other_areas() {
@@ -340,7 +340,7 @@ fn points_are_where_the_ways_over_another_place_put_them() {
     );
 }
 
-/// Twin: a vertex moved by a millionth of a degree is noticed beside it.
+/// Negative control: a vertex moved by a millionth of a degree is noticed beside it.
 #[test]
 fn a_moved_vertex_is_noticed() {
     let ring = zigzag([60.0, -45.0]);

@@ -197,7 +197,7 @@ mod tests {
     use terrafill_scene::ImageSize;
     use terrafill_vulkan::{Buffer, BufferUse};
 
-    /// Twin: writes the state anew before it steps.
+    /// Negative control: writes the state anew before it steps.
     struct Rewriting<'a> {
         steps: Box<dyn Steps>,
         way: Stepping,

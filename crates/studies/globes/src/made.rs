@@ -330,12 +330,12 @@ impl Shows for MadePart<'_> {
     fn judge(&mut self, case: usize, shown: ShownSpiral) -> Result<Verdict, Failure> {
         let work = self.group.work[case];
         // The vertex stage is held to what the compute shader made of the same view.
-        let (_, twin) = self.drawn(case, true)?;
+        let (_, computed) = self.drawn(case, true)?;
         let ShownSpiral { eye, spiral, .. } = &shown;
-        let made = shown.vertices.as_ref().or(twin.vertices.as_ref());
+        let made = shown.vertices.as_ref().or(computed.vertices.as_ref());
         let errors = against(eye, spiral, made.map_or(&[], Vec::as_slice));
         let VertexErrors { px, beyond_px, .. } = errors;
-        let pixels = shown.picture.iter().zip(&twin.picture);
+        let pixels = shown.picture.iter().zip(&computed.picture);
         let differs = pixels.filter(|(a, b)| a != b).count();
         let mut reasons = Vec::new();
         if errors.lost > 0 {

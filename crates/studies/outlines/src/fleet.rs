@@ -70,10 +70,12 @@ impl Fleet {
             // round.
             let [x, y] = [(); 2].map(|()| 2.0 * random.unit() - 1.0);
             let ray = camera.towards(x, y);
-            let twin = origins.len().checked_sub(VALUES);
-            let twin = twin.filter(|_| random.below(4) == 0).map(|at| origins[at]);
-            let origin = match twin {
-                Some(twin) => twin + DVec3::new(x, y, 0.0) * ALONGSIDE_M,
+            let moored = origins.len().checked_sub(VALUES);
+            let moored = moored
+                .filter(|_| random.below(4) == 0)
+                .map(|at| origins[at]);
+            let origin = match moored {
+                Some(moored) => moored + DVec3::new(x, y, 0.0) * ALONGSIDE_M,
                 None => camera.eye - ray * (camera.eye.z / ray.z),
             };
             origins.push(origin);

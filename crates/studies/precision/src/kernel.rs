@@ -359,7 +359,7 @@ mod tests {
         let table = LookupTable::arctangent(PROBE_TEXELS, TexelFormat::R8Unorm, Filter::Linear);
         let of = |exactly, shift| sampler_of(&table, &answers_of(&table, exactly, shift));
         assert_eq!(of(false, 0.0), Sampler::COMMON);
-        assert!(of(true, 0.0).weighs_exactly, "twin");
+        assert!(of(true, 0.0).weighs_exactly, "control");
         // One that truncates answers to 8 bits is off to one side.
         let [low, high] = of(true, -1.0 / 255.0).off;
         assert!(

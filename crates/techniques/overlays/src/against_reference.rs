@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures held against the reference: how far each overlay is off, within what its nature allows; and
-//! a twin for each that is farther off.
+//! a control for each that is farther off.
 //!
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.

@@ -3,7 +3,7 @@
 //!
 //! WGSL lets compilers add up floats in another order, and SPIR-V forbids it only with
 //! `NoContraction`, which naga does not write. The shader's own function is therefore run on the
-//! device; summed up the other way round, it would be off by what the low parts held, which the twin
+//! device; summed up the other way round, it would be off by what the low parts held, which the control
 //! shows. Metres, ECEF. Skipped without a device.
 
 use glam::{DVec3, Vec3};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The report of a made-up run, read as a reader would: what it must say, and what it must not. Each
-//! rule has a twin in which something is wrong and must be seen.
+//! rule has a control in which something is wrong and must be seen.
 
 use std::fs;
 use std::path::Path;
@@ -435,10 +435,10 @@ fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
 
 #[test]
 fn noise_clock_and_replicates_are_said() {
-    let timed = |twin: &[f64]| {
+    let timed = |repeat: &[f64]| {
         let mut run = run();
         run.case(id("a")).timed(TIME, &[10.0, 11.0]);
-        run.case(id("a").repeat()).timed(TIME, twin);
+        run.case(id("a").repeat()).timed(TIME, repeat);
         report(&run)
     };
     let noisy = timed(&[12.0, 13.2]);
@@ -458,7 +458,7 @@ fn noise_clock_and_replicates_are_said() {
     );
     assert!(
         noisy.html.contains("1 case: 1 right"),
-        "twins are not counted"
+        "repeats are not counted"
     );
     let factor = noisy.result["noise"][0]["max_factor"].as_f64();
     assert!((factor.expect("a factor") - 1.2).abs() < 1e-12);

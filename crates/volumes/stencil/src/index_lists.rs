@@ -114,10 +114,10 @@ mod tests {
         });
         assert_eq!((lists.count(true), lists.count(false)), (3, 2));
         assert_eq!(lists.bytes(), 3 * 2 + 2 * 4);
-        let twin = IndexLists {
+        let control = IndexLists {
             short: lists.short.clone(),
             ..IndexLists::default()
         };
-        assert_ne!(twin.bytes(), lists.bytes());
+        assert_ne!(control.bytes(), lists.bytes());
     }
 }

@@ -229,7 +229,7 @@ fn areas_by_point_count_match_closed_forms() {
     }
 }
 
-/// Twin of the check above: each mutant must be refused for some shape, and it must be refused by
+/// Negative control of the check above: each mutant must be refused for some shape, and it must be refused by
 /// the area alone.
 #[test]
 fn mutants_have_wrong_areas() {

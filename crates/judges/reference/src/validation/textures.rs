@@ -492,7 +492,7 @@ fn a_moving_region_uncovers_the_picture_and_does_not_move_it() {
 }
 
 /// Largest change of a channel when the eye moves by a millionth across the distance at which a
-/// pattern takes another level; `blends` off for the twin.
+/// pattern takes another level; `blends` off for the control.
 fn pattern_jump(blends: bool) -> f64 {
     let placement = TexturePlacement::Pattern {
         anchor: anchor(12.0, 41.5, 10.0),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The chapter of made-up runs, read as a reader would. Each rule has a twin in which something is
+//! The chapter of made-up runs, read as a reader would. Each rule has a control in which something is
 //! wrong and must be seen.
 
 use super::data::{Data, name};
@@ -69,8 +69,8 @@ fn timed<'a>(
 
 /// A case's work once more, which takes `ms` times the process's factor.
 fn again(run: &mut MadeUpRun, case: usize, ms: f64) {
-    let twin = run.cases[case].id.repeat();
-    run.case(twin)
+    let repeat = run.cases[case].id.repeat();
+    run.case(repeat)
         .timed(TIME, &PROCESSES.map(|factor| factor * ms));
 }
 
@@ -382,7 +382,7 @@ fn what_is_no_difference_follows_from_identical_work() {
         let verdict = claim_row(&run, STRIPS)[5].clone();
         (verdict, words(&section(&run, ABLATION)))
     };
-    // Without twins 5 % are nothing; with quiet ones 3 % are something, with noisy ones nothing again.
+    // Without repeats 5 % are nothing; with quiet ones 3 % are something, with noisy ones nothing again.
     let (unknown, text) = standing(None);
     assert_eq!(unknown, "holds");
     assert!(text.contains("measured no identical work twice"), "{text}");
@@ -399,14 +399,14 @@ fn identical_work_that_scatters_is_no_difference() {
     };
     let standing = |step_percent: f64, again_percent: f64| {
         let mut run = climbed("globe", &[("start", 100.0), ("strips", 100.0)]);
-        let twin = run.cases[2].id.repeat();
+        let repeat = run.cases[2].id.repeat();
         let times = |percent| {
             let scattered = PROCESSES.iter().zip(scatter(percent));
             scattered
                 .map(|(factor, off)| 100.0 * factor * off)
                 .collect::<Vec<_>>()
         };
-        run.case(twin).timed(TIME, &times(again_percent));
+        run.case(repeat).timed(TIME, &times(again_percent));
         run.cases[1].timed(TIME, &times(step_percent));
         claim_row(&run, STRIPS)[5].clone()
     };
@@ -611,10 +611,10 @@ fn what_is_drawn_instead_of_volumes_is_laid_beside_them() {
         ]
     );
     // Negative controls: a cut that takes less than volumes do, one that is right, a flat mesh that is faster.
-    let twins = rows(5.0, 0.5, 0.0);
+    let repeats = rows(5.0, 0.5, 0.0);
     assert!(
-        twins.iter().all(|row| row.ends_with(": does not hold")),
-        "{twins:?}"
+        repeats.iter().all(|row| row.ends_with(": does not hold")),
+        "{repeats:?}"
     );
 }
 
@@ -652,7 +652,7 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     assert!(keys(&[100.0; 8]).is_empty());
     // Too few processes leave everything open.
     assert_eq!(keys(&[100.0; 3]).len(), 2);
-    // So does noise that would hide what the document measured; the twins are measured with it.
+    // So does noise that would hide what the document measured; the repeats are measured with it.
     assert!(keys_beside(&[100.0; 8], Some(101.0)).is_empty());
     assert_eq!(keys_beside(&[100.0; 8], Some(104.0)).len(), 3);
 }
@@ -946,7 +946,7 @@ fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
         cells, "s, globe | – | 1.10 × [1.10–1.10] | – | –",
         "not measured, not 0"
     );
-    assert!(!all.contains("(again)"), "twins are in no table");
+    assert!(!all.contains("(again)"), "repeats are in no table");
     // Negative controls: swapped operands, and a gap that identical work has as well.
     assert!(of(11.0, 10.0).0.contains("0.909 × ["));
     let (tie, _, ties) = of(10.0, 10.4);
@@ -1404,7 +1404,7 @@ fn summary_has_its_stable_columns_old_names_and_empty_cells() {
     let lines: Vec<&str> = tables[0].text.lines().collect();
     assert!(lines[0].starts_with(&format!("{STABLE_SUMMARY_HEADER},stencil_gpu_ms,")));
     assert!(lines[0].contains(",mask_hash,ids_hash,"));
-    assert_eq!(lines.len(), 6, "neither the missing case nor the twin");
+    assert_eq!(lines.len(), 6, "neither the missing case nor the repeat");
     assert!(lines[1].starts_with("countries-110m,globe,bound,full-screen,ok,,,,10.75,"));
     assert!(lines[2].starts_with("countries-110m,globe,floor,full-screen,"));
     let doubled: Vec<&str> = lines[3].split(',').collect();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The compute backend held against the reference and, to the pixel, against the vertex backend:
 //! every expansion, culling and switch on extreme regions and views; culling on the device against
-//! the frame plan's; capacities; and the twins that must be noticed.
+//! the frame plan's; capacities; and the controls that must be noticed.
 //!
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.

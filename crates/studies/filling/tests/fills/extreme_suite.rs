@@ -143,7 +143,7 @@ fn summary_rows(run: &Run) -> Vec<Vec<String>> {
     summary.rows.into_iter().map(texts).collect()
 }
 
-/// The twin: the same scenes with what they expect turned round.
+/// Negative control: the same scenes with what they expect turned round.
 #[test]
 fn an_expectation_turned_round_fails_whichever_way() {
     if !has_device() {

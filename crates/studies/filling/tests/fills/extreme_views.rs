@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Squares of 10 m and of 200 km seen from close by, where positions are hardest: the default is wrong
-//! in no pixel farther than one from a boundary, and the naive format, the twin, in thousands.
+//! in no pixel farther than one from a boundary, and the naive format, the control, in thousands.
 //!
 //! The surface is drawn relative to the eye exactly, so all that is wrong is the volumes' doing. The
 //! scenes are the shipped ones, at the size that the bench draws them in. Skipped without a device;
@@ -74,7 +74,7 @@ fn assert_only_the_naive_format_is_wrong(name: &str) {
         let is_pass = verdict(found).is_pass();
         match *positions {
             "fixed" | "two-float" => assert!(is_pass, "{name}/{view} {positions}: {found:?}"),
-            // The twin.
+            // Negative control.
             "ecef-f32" => {
                 let default = &all[&(view.clone(), "fixed")];
                 let hundredfold = found.mismatched_px > 100 * default.mismatched_px.max(4);

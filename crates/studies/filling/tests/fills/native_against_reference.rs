@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The native backend held against the reference and, to the pixel, against the vertex backend:
 //! every technique, way of colouring and depth rule on extreme regions and views; its bytes; its
-//! steady state; and the twins that must be noticed.
+//! steady state; and the controls that must be noticed.
 //!
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
@@ -272,7 +272,7 @@ fn assert_bytes_are_what_the_formula_says(names: &[&str]) {
             match (technique, indices) {
                 (Native::VsControl, _) => assert_eq!(formula, doubled, "{what}"),
                 // Three indices an edge, or six a triangle: half, where a region has hardly a
-                // vertex inside. It is the twin of the strips, which do with less.
+                // vertex inside. It is the control of the strips, which do with less.
                 (Native::GsDegenerate | Native::GsAdjacency, Indices::List) => {
                     assert!(share <= 0.51, "{what}: {share}");
                     assert!(share > 0.45, "{what}: {share}");

@@ -104,7 +104,7 @@ fn nested_regions_are_right_or_refused() {
     assert_eq!((right, refused.len()), (8 * 7 - 22, 22));
 }
 
-/// The twin: counted together without the check, 256 volumes over one pixel are none.
+/// Negative control: counted together without the check, 256 volumes over one pixel are none.
 #[test]
 fn a_count_that_wraps_loses_the_multiples_of_256() {
     let Some(devices) = Devices::open() else {
@@ -196,11 +196,11 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
         backend.prepare(&input).expect("fits");
         let picture = backend.picture(&input).expect("draws");
         // Borders may lie a pixel off: as many pixels as three squares have around them.
-        let (right, twin) = (wrong(&in_order, &picture, 2), wrong(&reversed, &picture, 2));
+        let (right, control) = (wrong(&in_order, &picture, 2), wrong(&reversed, &picture, 2));
         assert!(right < 20, "{colour:?}: {right} wrong");
         assert!(
-            twin > 1_000,
-            "{colour:?}: the other order differs in {twin} only"
+            control > 1_000,
+            "{colour:?}: the other order differs in {control} only"
         );
         // The frame to be verified is opaque and in the same order.
         let judged = judge(&input);

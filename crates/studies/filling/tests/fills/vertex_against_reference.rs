@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The vertex backend held against the reference, every layout, position format and way of
-//! colouring, on extreme regions and views; and the twins that must be noticed.
+//! colouring, on extreme regions and views; and the controls that must be noticed.
 //!
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.

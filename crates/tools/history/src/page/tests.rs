@@ -85,7 +85,7 @@ fn a_change_stands_under_its_heading_with_its_course_and_its_command() {
     assert_eq!(cells[5].text, "+20.0 %");
     assert!(
         !tables[1].rows[1].cells[1].marker.contains("l5 9h-10z"),
-        "twin: no change, no mark"
+        "negative control: no change, no mark"
     );
 }
 

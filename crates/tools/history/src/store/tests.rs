@@ -67,7 +67,7 @@ fn a_run_comes_back_as_it_was_and_is_stored_once() {
         [Added::Known]
     );
     assert_eq!(store.overview().expect("readable").runs.len(), 1);
-    // Opened again it is the same; twin: another run is another one.
+    // Opened again it is the same; negative control: another run is another one.
     let mut again = Store::open(&folder.path().join("h.sqlite")).expect("a store");
     assert_eq!(again.add(&[(run, None)]).expect("known"), [Added::Known]);
     assert_eq!(

@@ -591,12 +591,12 @@ fn shards_together_are_the_whole_run_and_nothing_less_is_merged() {
     assert_eq!(names(&balanced), names(&whole));
     assert_eq!(balanced.environment.options, whole.environment.options);
     for run in [load(&desk, "long"), load(&desk, "rest")] {
-        for twin in run.cases.iter().filter(|case| case.is_repeat()) {
-            let original = run.case(twin.condition(REPEATS));
+        for repeat in run.cases.iter().filter(|case| case.is_repeat()) {
+            let original = run.case(repeat.condition(REPEATS));
             assert!(
                 original.is_some(),
                 "{}: its pair is in another shard",
-                twin.id()
+                repeat.id()
             );
         }
     }

@@ -58,8 +58,8 @@ fn made() -> MadeUpRun {
     fill(&mut run, "vertex/wrong", [0.1, 10.0], |case| {
         case.ended(Status::Wrong, "9 pixels outside the band");
     });
-    let twin = run.cases[4].id.repeat();
-    run.case(twin)
+    let repeat = run.cases[4].id.repeat();
+    run.case(repeat)
         .timed("fill_cpu_ms", &[8.0, 8.08, 7.92, 8.0, 8.16]);
     run
 }
@@ -176,9 +176,9 @@ fn ties_are_named_and_the_smaller_is_taken_and_what_is_unknown_is_not_within() {
         case.figure("boundary_moved_px", 0.5);
     });
     // Identical work differed by 1 %.
-    let twin = run.cases[8].clone();
-    run.cases.retain(|case| case.id != twin.id);
-    run.case(twin.id)
+    let repeat = run.cases[8].clone();
+    run.cases.retain(|case| case.id != repeat.id);
+    run.case(repeat.id)
         .timed("fill_cpu_ms", &[8.08, 8.16, 8.0, 8.08, 8.24]);
     let found = answer(&run, Budget::default());
     starts(&found, "s, 2 views: vertex/tied");

@@ -182,7 +182,7 @@ fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
                     };
                     frame.parts.iter().filter(meets).count()
                 };
-                // Twin below counts; here the parts must know the place at all.
+                // The negative control below counts; here the parts must know the place at all.
                 if points % 97 == 0 {
                     assert!(over(&here) > 0, "{here:?} lies in no part");
                 }
