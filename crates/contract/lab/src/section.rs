@@ -121,7 +121,10 @@ impl Column {
             return Heading::explained(self.heading, self.meaning);
         };
         let unit = metric.timer().map_or(metric.unit, Timer::unit_ms);
-        Heading::metric(self.heading.replace("{unit}", unit), metric)
+        Heading {
+            meaning: metric.meaning.to_owned(),
+            ..Heading::metric(self.heading.replace("{unit}", unit), metric)
+        }
     }
 
     /// A case's cell: its figure with a dot for each process, or the reason why there is none. A time of what is wrong

@@ -258,7 +258,7 @@ pub struct Heading {
     /// Name of the metric that the column shows, whose meaning a reader who points at the heading
     /// sees; empty for a column that is no metric.
     pub metric: String,
-    /// What it means where it is no metric.
+    /// What it means where it is no metric, or none that the run knows: an older program may have measured it.
     pub meaning: String,
 }
 
