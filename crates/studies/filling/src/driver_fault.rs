@@ -65,10 +65,10 @@ impl LostPixels {
         size: ImageSize,
         case: &FillCase,
     ) -> Option<&'static Self> {
-        KNOWN.iter().find(|fault| {
-            fault.fault.is_of(driver)
-                && (fault.scene, fault.view, fault.size) == (scene, view, size)
-                && (fault.is_hit)(case)
+        KNOWN.iter().find(|own| {
+            own.fault.is_of(driver)
+                && (own.scene, own.view, own.size) == (scene, view, size)
+                && (own.is_hit)(case)
         })
     }
 

@@ -34,16 +34,20 @@ fn wrong(
         volume.depth = change(volume.depth);
     }
     let devices = Devices::default();
-    match scene.open_with(&devices, way, view, loadable, draws_back_faces) {
+    let opened = scene.open_with(&devices, way, view, loadable, draws_back_faces);
+    let (_, mask) = unless_unable(opened)?.draw().expect("drawn");
+    Some(Wrong::of(&mask, truth).outside())
+}
+
+/// What a device did; `None` where there is none, unless one is required.
+fn unless_unable<T>(done: Result<T, Failure>) -> Option<T> {
+    match done {
         Err(Failure::Unable(error)) => {
             let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
             assert!(!needed, "{error}");
             None
         }
-        opened => {
-            let (_, mask) = opened.expect("opened").draw().expect("drawn");
-            Some(Wrong::of(&mask, truth).outside())
-        }
+        done => Some(done.expect("drawn")),
     }
 }
 
@@ -66,8 +70,6 @@ fn emulated_bounds_change_no_pixel_and_bounds_that_are_too_tight_do() {
     }
 }
 
-/// A box 4 m by 6 m. In channel 1 the eye looks over its lit roof towards the sun, and behind the rim its lit wall
-/// begins: both are light caps.
 #[test]
 fn one_range_of_depths_is_right_within_it_and_drops_shadows_beyond() {
     let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
@@ -77,13 +79,8 @@ fn one_range_of_depths_is_right_within_it_and_drops_shadows_beyond() {
             ranges: Ranges::One,
             ..way(bounds)
         };
-        let mut drawn = match scene.drawn_by(&devices, one) {
-            Err(Failure::Unable(error)) => {
-                let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!needed, "{error}");
-                return;
-            }
-            drawn => drawn.expect("drawn"),
+        let Some(mut drawn) = unless_unable(scene.drawn_by(&devices, one)) else {
+            return;
         };
         let mut draws = std::mem::take(&mut drawn.draws);
         let mut outside = |counted| {
@@ -96,6 +93,8 @@ fn one_range_of_depths_is_right_within_it_and_drops_shadows_beyond() {
     }
 }
 
+/// A box 4 m by 6 m. In channel 1 the eye looks over its lit roof towards the sun, and behind the rim its lit wall
+/// begins: both are light caps.
 #[test]
 fn beside_a_rim_a_lit_back_that_is_drawn_keeps_the_light_and_one_that_is_culled_does_not() {
     let places = [
@@ -157,13 +156,8 @@ fn volumes_that_are_handed_over_in_a_frame_are_those_that_are_drawn() {
             silhouettes: Silhouettes::EachFrame,
             ..DeviceWay::plain(interface)
         };
-        let mut drawn = match scene.drawn_by(&devices, way) {
-            Err(Failure::Unable(error)) => {
-                let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!needed, "{error}");
-                return;
-            }
-            drawn => drawn.expect("drawn"),
+        let Some(mut drawn) = unless_unable(scene.drawn_by(&devices, way)) else {
+            return;
         };
         let mut volumes = scene.eye_volumes(way, &scene.views[0], &volume);
         let mut mask_of = |volumes: &terrafill_shadow_views::EyeVolumes| {
@@ -209,13 +203,8 @@ fn at_the_foot_of_a_caster_rounding_may_darken_the_pixel_on_its_edge_and_none_be
             interface,
             ..way(Bounds::Off)
         };
-        let mut drawn = match scene.drawn_by(&Devices::default(), way) {
-            Err(Failure::Unable(error)) => {
-                let needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!needed, "{error}");
-                return;
-            }
-            drawn => drawn.expect("drawn"),
+        let Some(mut drawn) = unless_unable(scene.drawn_by(&Devices::default(), way)) else {
+            return;
         };
         let mut draws = std::mem::take(&mut drawn.draws);
         let compared = scene.compared(&drawn, &mut draws, Counted::All);
